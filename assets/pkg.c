@@ -1,0 +1,1 @@
+#include "assets/pkg.h"

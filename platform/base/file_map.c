@@ -1,0 +1,41 @@
+#include "platform/base/file_map.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static int map_fd(struct file_map *map, int fd)
+{
+	struct stat info;
+	if (fstat(fd, &info) < 0)
+		return -errno;
+	if (S_ISDIR(info.st_mode))
+		return -EISDIR;
+	if (info.st_size == 0)
+		return 0;
+	void *at = mmap(NULL, (size_t)info.st_size, PROT_READ, MAP_PRIVATE, fd, 0);
+	if (at == MAP_FAILED)
+		return -errno;
+	map->bytes = (struct span){ .data = at, .size = (size_t)info.st_size };
+	return 0;
+}
+
+int file_map_open(struct file_map *map, const char *path)
+{
+	*map = (struct file_map){ 0 };
+	int fd = open(path, O_RDONLY | O_CLOEXEC);
+	if (fd < 0)
+		return -errno;
+	int status = map_fd(map, fd);
+	close(fd);
+	return status;
+}
+
+void file_map_close(struct file_map *map)
+{
+	if (map->bytes.data)
+		munmap((void *)(uintptr_t)map->bytes.data, map->bytes.size);
+	*map = (struct file_map){ 0 };
+}

@@ -1,0 +1,10 @@
+# Writes a C file with `struct shader_file shader_files[]`: name and text of every shader in FILES.
+set(body "#include \"render/shader_files.h\"\n\nconst struct shader_file shader_files[] = {\n")
+foreach(file ${FILES})
+  get_filename_component(name ${file} NAME)
+  file(READ ${file} hex HEX)
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
+  string(APPEND body "\t{ \"${name}\", (const char[]){ ${bytes}0x00 } },\n")
+endforeach()
+string(APPEND body "\t{ 0, 0 },\n};\n")
+file(WRITE ${OUT} "${body}")

@@ -1,0 +1,76 @@
+/*
+ * The materials of a bake: what each texture layer shows, how it is lit, and how large one tile is. The generators
+ * choose by name; materials.c paints the layers (tools/bake/paint_*.c) and writes MATL and TEXA.
+ */
+#ifndef BLVD_TOOLS_BAKE_MATERIALS_H
+#define BLVD_TOOLS_BAKE_MATERIALS_H
+
+#include "assets/pkg_format.h"
+#include "tools/city/pool.h"
+
+enum material_id {
+	/* ground, painted by paint_ground.c */
+	MATERIAL_ASPHALT,
+	MATERIAL_ASPHALT_OLD,
+	MATERIAL_COBBLE,
+	MATERIAL_PAVING, /* sidewalks */
+	MATERIAL_KERB,
+	MATERIAL_SQUARE, /* large slabs of squares */
+	MATERIAL_GRAVEL,
+	MATERIAL_SAND,
+	MATERIAL_GRASS,
+	MATERIAL_PARK, /* lawn, a little darker */
+	MATERIAL_FOREST,
+	MATERIAL_PITCH,
+	MATERIAL_SOIL,
+	MATERIAL_YARD, /* inside blocks: the ground between buildings */
+	MATERIAL_WATER,
+	MATERIAL_BALLAST,
+	MATERIAL_MARKING, /* white paint, uniform */
+	MATERIAL_MARKING_YELLOW,
+	MATERIAL_CONCRETE, /* bridge sides, quay walls, tunnel walls */
+	MATERIAL_METAL,    /* lamp posts, rails */
+	MATERIAL_LAMP,
+	MATERIAL_BARK,
+	MATERIAL_LEAF,
+	MATERIAL_NEEDLE,
+	MATERIAL_ROCK,
+	/* roofs, painted by paint_roofs.c */
+	MATERIAL_ROOF_TILES,
+	MATERIAL_ROOF_SLATE,
+	MATERIAL_ROOF_METAL,
+	MATERIAL_ROOF_COPPER,
+	MATERIAL_ROOF_GRAVEL,
+	MATERIAL_ROOF_CONCRETE,
+	MATERIAL_ROOF_GLASS,
+	MATERIAL_ROOF_GRASS,
+	/* walls: one tile is one bay by one storey; painted by paint_walls.c. From here on the walls' author adds what is
+	   needed. */
+	MATERIAL_WALL_FIRST,
+	MATERIAL_LIMIT = 256,
+};
+
+#define MATERIAL_TEXTURE_PX 256
+
+/* One layer being painted: MATERIAL_TEXTURE_PX squared RGBA, sRGB colour, alpha as enum pkg_material_kind says. Tiles
+ * seamlessly. */
+struct material_layer {
+	uint8_t (*px)[4];
+	enum pkg_material_kind kind;
+	uint8_t gloss;
+};
+
+/* Each paints all of its materials into layers[id]; returns the number of the highest id it painted plus one. */
+int paint_ground(struct material_layer *layers);
+int paint_roofs(struct material_layer *layers);
+int paint_walls(struct material_layer *layers);
+
+/* MATL and TEXA, mip levels included (box filter in linear light). */
+struct materials {
+	ARRAY(struct pkg_material) table;
+	ARRAY(uint8_t) texture; /* struct pkg_texture_array and the bytes behind it */
+};
+void materials_paint(struct materials *out);
+void materials_finish(struct materials *materials);
+
+#endif

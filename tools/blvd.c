@@ -1,0 +1,47 @@
+/* The toolbox: one program, one subcommand a job. Each cmd_*.c parses its own arguments with argp. */
+#include <argp.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "platform/base/log.h"
+#include "tools/commands.h"
+
+static const struct command {
+	const char *name;
+	int (*run)(int argc, char **argv);
+	const char *summary;
+} commands[] = {
+	{ NULL, NULL, NULL },
+};
+
+static void print_usage(FILE *to)
+{
+	fprintf(to, "usage: blvd COMMAND [ARGUMENT...]\n\ncommands:\n");
+	for (const struct command *command = commands; command->name; command++)
+		fprintf(to, "  %-10s %s\n", command->name, command->summary);
+	fprintf(to, "\n'blvd COMMAND --help' tells a command's options; 'man blvd' tells the rest.\n");
+}
+
+int main(int argc, char **argv)
+{
+	log_init("blvd", LOG_INFO);
+	argp_err_exit_status = EXIT_USAGE;
+	if (argc < 2) {
+		print_usage(stderr);
+		return EXIT_USAGE;
+	}
+	if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "help")) {
+		print_usage(stdout);
+		return EXIT_DONE;
+	}
+	if (!strcmp(argv[1], "--version")) {
+		puts("blvd " BLVD_VERSION);
+		return EXIT_DONE;
+	}
+	for (const struct command *command = commands; command->name; command++)
+		if (!strcmp(argv[1], command->name))
+			return command->run(argc - 1, argv + 1);
+	fprintf(stderr, "blvd: error: no command '%s'\n", argv[1]);
+	print_usage(stderr);
+	return EXIT_USAGE;
+}
