@@ -59,6 +59,7 @@ struct way {
 	int street_class;  /* enum pkg_street_class or enum way_class */
 	bool drivable;     /* part of the street graph */
 	bool bridge, tunnel, roundabout, link, is_private, lit;
+	bool passage; /* tunnel=building_passage or covered=*: at ground level under a building; `tunnel` is then false */
 	int oneway; /* 0 both ways, 1 along the nodes, -1 against them */
 	int layer;
 	int lanes_forward, lanes_backward; /* > 0 where driving is allowed; inferred by class where missing */
@@ -69,6 +70,8 @@ struct way {
 	enum way_surface surface;
 	const char *name; /* UTF-8 or NULL */
 	const char *ref;  /* or NULL */
+	double *z_m;      /* surface at each node, in the pool; set by graph_build() on ways that leave the ground
+						 (bridges, tunnels, their ramps) and are not drivable; NULL: on the ground */
 };
 
 struct restriction {
