@@ -81,6 +81,8 @@ struct text_data {
 int text_bake(const char *const *font_files, size_t font_file_count, const char *const *strings, size_t string_count,
 	struct text_data *out);
 void text_data_finish(struct text_data *text);
+/* The readable fonts among the usual ones of Debian, in the order text_bake() wants; at most `capacity`. */
+size_t text_default_fonts(const char **files, size_t capacity);
 
 /* tools/bake/pkg_write.c: the whole package; written to PATH.part, synced, renamed. Any member may be NULL but graph
  * and city. */
