@@ -11,6 +11,8 @@ static const struct command {
 	int (*run)(int argc, char **argv);
 	const char *summary;
 } commands[] = {
+	{ "bake", cmd_bake, "map data into a city package" },
+	{ "verify", cmd_verify, "every check a package must pass" },
 	{ NULL, NULL, NULL },
 };
 
