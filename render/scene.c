@@ -1,1 +1,1 @@
-#include "nav/nav.h"
+#include "render/frame.h"

@@ -1,0 +1,73 @@
+/*
+ * The cameras that follow the car. Motion is critically damped springs advanced in closed form, so a picture depends on
+ * simulated time and not on the frame rate. A camera is never in a building and never under the ground.
+ */
+#ifndef BLVD_RENDER_CAMERA_H
+#define BLVD_RENDER_CAMERA_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "assets/pkg.h"
+#include "nav/nav.h"
+#include "render/view.h"
+
+enum camera_kind {
+	CAMERA_DRIVER,     /* a driver's eye, a little raised: about 3 m high, slightly down */
+	CAMERA_CHASE,      /* behind and above the car */
+	CAMERA_HEADING_UP, /* overview, the street ahead is up */
+	CAMERA_NORTH_UP,   /* overview, north is up */
+	CAMERA_KIND_COUNT,
+};
+const char *camera_name(enum camera_kind kind);
+/* Returns -1 when there is no camera of this name. */
+int camera_from_name(const char *name);
+
+/* An eye. Heading clockwise from north, pitch up positive. */
+struct camera_pose {
+	int64_t eye_mm[3];
+	double heading_rad, pitch_rad;
+	double fov_rad; /* vertical; 0: the renderer's */
+};
+
+struct camera_spring {
+	double value, velocity;
+};
+
+/* What of the city a camera must keep clear of; `pkg` may be NULL (nothing). Asked with city-frame mm. */
+struct camera_obstacles {
+	const struct pkg *pkg;
+};
+
+struct camera {
+	enum camera_kind kind;
+	double zoom;    /* 1 is the default distance; 0.25 to 4 */
+	double fov_rad; /* vertical */
+	bool started;
+	int64_t time_ns;
+	/* springs, relative to the car: back, right, up in metres; heading and pitch in radians */
+	struct camera_spring back, right, up, pitch, turn, distance;
+	int64_t anchor_mm[3]; /* the car when last seen */
+	int32_t anchor_heading;
+	struct camera_pose pose;
+};
+
+void camera_init(struct camera *camera, double fov_rad);
+void camera_next(struct camera *camera);                /* c: the next kind */
+void camera_zoom(struct camera *camera, double factor); /* > 1 is closer */
+
+/* Follows the car to nav->time_ns. The first call, a jump of the car by more than 60 m and a step back in time cut
+ * instead of gliding. */
+void camera_follow(struct camera *camera, const struct nav_view *nav, const struct camera_obstacles *obstacles);
+
+/* The frame's view. Slices meet at `split_m`. */
+void camera_view(
+	const struct camera_pose *pose, uint32_t width, uint32_t height, double split_m, double far_m, struct view *out);
+
+/* Frustum against an eye-relative box (metres): false only when it is certainly outside. */
+bool view_sees_box(const struct view *view, struct vec3 min, struct vec3 max);
+
+/* Distance along the view direction to the box's nearest and farthest corner. */
+void view_box_depth(const struct view *view, struct vec3 min, struct vec3 max, float *nearest, float *farthest);
+
+#endif

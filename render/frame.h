@@ -1,0 +1,78 @@
+/*
+ * The renderer as the main program and the tools see it: a package and a nav view in, a picture out. Needs a current GL
+ * context of ES 3.0 (or the dummy back end). All memory comes from the arenas handed to renderer_init(); all GL objects
+ * are made there; renderer_draw() allocates nothing.
+ */
+#ifndef BLVD_RENDER_FRAME_H
+#define BLVD_RENDER_FRAME_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "assets/pkg.h"
+#include "nav/nav.h"
+#include "platform/base/arena.h"
+#include "render/camera.h"
+#include "render/gfx.h"
+
+struct renderer;
+
+/* Zero takes the default. */
+struct renderer_config {
+	uint32_t width, height;                      /* of the picture; required */
+	uint32_t samples;                            /* per pixel; default 4, 1 is none */
+	uint64_t gpu_budget_bytes;                   /* for everything on the GPU; default 512 MiB */
+	uint64_t upload_slice_bytes;                 /* per frame, once drawing; default 4 MiB */
+	const char *far_name;                        /* representation of what is far: "full", "none"; default "full" */
+	const struct gfx_ops *gfx;                   /* default gfx_gles3 */
+	void (*(*get_proc)(const char *name))(void); /* display_get_proc, or NULL */
+	bool overlay;                                /* route ribbon, labels, read-outs */
+	double fov_deg;                              /* vertical; default 45 (driver's eye); 10 to 120 */
+	double far_m;                                /* nothing is drawn beyond; default 6,000 */
+};
+
+struct renderer_stats {
+	uint64_t frames;
+	uint32_t draws, triangles, far_triangles; /* of the last frame */
+	uint64_t gpu_bytes, gpu_bytes_high_water;
+	uint32_t chunks, chunks_resident, chunks_wanted_missing; /* missing ones were in view in the last frame */
+	uint32_t chunks_damaged;                                 /* checksum or index range wrong: never drawn */
+	uint64_t chunks_dropped;                                 /* uploads that found the pool full, since start */
+	uint64_t chunks_evicted;
+	uint64_t upload_pending_bytes; /* known to be wanted, not yet there */
+	const char *gl_renderer;
+	uint32_t samples;
+};
+
+/* Returns 0; -ENOMEM when an arena or the GPU budget is too small; -EINVAL when far_name is unknown or a shader does
+ * not compile; -ENOTSUP when the context is too old. Logs one line on failure. `pkg` is borrowed until
+ * renderer_finish(). */
+int renderer_init(
+	struct renderer **out, struct arena *city_arena, const struct renderer_config *config, const struct pkg *pkg);
+/* NULL does nothing. */
+void renderer_finish(struct renderer *renderer);
+
+/* What the light is like. */
+struct renderer_time {
+	int64_t time_ns;  /* simulated or monotonic: drives the camera's springs and water */
+	int64_t wall_ns;  /* UTC since 1970: where the sun stands; 0: late morning in June */
+	bool force_night; /* the driver asked for the night look */
+	double ambient;   /* sensor, 0 dark to 1; negative: unknown, the sun alone decides */
+};
+void renderer_draw(struct renderer *renderer, const struct nav_view *nav, const struct renderer_time *time);
+
+/* The same from an eye of the caller's choosing, without camera motion and overlay. */
+void renderer_draw_pose(struct renderer *renderer, const struct camera_pose *pose, const struct renderer_time *time);
+
+/* Turns of the knob. */
+struct camera *renderer_camera(struct renderer *renderer);
+
+/* Copies the picture to the context's window of the given size. */
+void renderer_present(struct renderer *renderer, uint32_t width, uint32_t height);
+
+/* RGBA8, top row first, width * height * 4 bytes. */
+void renderer_read_pixels(struct renderer *renderer, uint8_t *out);
+
+void renderer_stats(const struct renderer *renderer, struct renderer_stats *out);
+
+#endif
