@@ -120,7 +120,12 @@ enum gfx_blend {
 	GFX_BLEND,         /* src * alpha + dst * (1 - alpha) */
 	GFX_PREMULTIPLIED, /* src + dst * (1 - alpha) */
 };
-enum gfx_depth { GFX_DEPTH_OFF, GFX_DEPTH_TEST, GFX_DEPTH_TEST_WRITE }; /* less or equal */
+enum gfx_depth {
+	GFX_DEPTH_OFF,
+	GFX_DEPTH_TEST, /* less or equal */
+	GFX_DEPTH_TEST_WRITE,
+	GFX_DEPTH_BEHIND, /* greater, not written: what something else hides */
+};
 enum gfx_primitive { GFX_TRIANGLES, GFX_TRIANGLE_STRIP };
 enum gfx_index { GFX_INDEX_NONE, GFX_INDEX_U16, GFX_INDEX_U32 };
 struct gfx_pipeline_desc {

@@ -418,6 +418,7 @@ static void set_depth(struct gles3 *gl, enum gfx_depth depth)
 		glDisable(GL_DEPTH_TEST);
 	else
 		glEnable(GL_DEPTH_TEST);
+	glDepthFunc(depth == GFX_DEPTH_BEHIND ? GL_GREATER : GL_LEQUAL);
 	glDepthMask(depth == GFX_DEPTH_TEST_WRITE);
 	gl->depth = depth;
 }
