@@ -12,6 +12,7 @@ static const struct command {
 	const char *summary;
 } commands[] = {
 	{ "bake", cmd_bake, "map data into a city package" },
+	{ "compare", cmd_compare, "how two pictures differ, as JSON" },
 	{ "verify", cmd_verify, "every check a package must pass" },
 	{ NULL, NULL, NULL },
 };

@@ -60,7 +60,7 @@ struct way {
 	bool drivable;     /* part of the street graph */
 	bool bridge, tunnel, roundabout, link, is_private, lit;
 	bool passage; /* tunnel=building_passage or covered=*: at ground level under a building; `tunnel` is then false */
-	int oneway; /* 0 both ways, 1 along the nodes, -1 against them */
+	int oneway;   /* 0 both ways, 1 along the nodes, -1 against them */
 	int layer;
 	int lanes_forward, lanes_backward; /* > 0 where driving is allowed; inferred by class where missing */
 	double width_m;                    /* carriageway (or path); inferred from lanes and class where missing */

@@ -4,9 +4,9 @@
  *
  * Plane and heights. Streets live in integer millimetres of the city frame. A street's level is its layer: 0 on the
  * ground, 1 for a bridge and -1 for a tunnel without one. Streets of one level that meet or cross share a node; streets
- * of different levels pass each other. An edge that is a tunnel, or that crosses one of another level and is the farther
- * of the two from the ground, is off-plane; all others together are a planar subdivision, exactly (orientation tests in
- * integers, no tolerance).
+ * of different levels pass each other. An edge that is a tunnel, or that crosses one of another level and is the
+ * farther of the two from the ground, is off-plane; all others together are a planar subdivision, exactly (orientation
+ * tests in integers, no tolerance).
  *
  * A bridge's surface keeps GRAPH_CLEARANCE_M + GRAPH_DECK_M over the surface of the street that it crosses, a tunnel's
  * GRAPH_CLEARANCE_M + GRAPH_COVER_M under it; ramps run on into the streets on both sides, no steeper than GRAPH_GRADE
