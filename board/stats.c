@@ -1,0 +1,131 @@
+#include "board/stats.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+/* Values below HISTOGRAM_STEPS have a bin each; above, each factor of two is cut into HISTOGRAM_STEPS / 2 equal bins.
+ */
+static uint32_t bin_of(uint64_t value)
+{
+	if (value < HISTOGRAM_STEPS)
+		return (uint32_t)value;
+	uint32_t shift = 63u - (uint32_t)__builtin_clzll(value) - 6u; /* leaves 64 to 127 */
+	uint32_t bin = shift * (HISTOGRAM_STEPS / 2) + (uint32_t)(value >> shift);
+	uint32_t last = HISTOGRAM_OCTAVES * HISTOGRAM_STEPS - 1;
+	return bin < last ? bin : last;
+}
+
+/* The largest value of a bin. */
+static uint64_t bin_end(uint32_t bin)
+{
+	if (bin < HISTOGRAM_STEPS)
+		return bin;
+	uint32_t shift = bin / (HISTOGRAM_STEPS / 2) - 1;
+	uint64_t top = bin - shift * (HISTOGRAM_STEPS / 2);
+	return ((top + 1) << shift) - 1;
+}
+
+void histogram_add(struct histogram *histogram, uint64_t value)
+{
+	histogram->bins[bin_of(value)]++;
+	histogram->count++;
+	if (value > histogram->max)
+		histogram->max = value;
+}
+
+uint64_t histogram_quantile(const struct histogram *histogram, double quantile)
+{
+	uint64_t wanted = (uint64_t)ceil(quantile * (double)histogram->count), seen = 0;
+	for (uint32_t bin = 0; bin < HISTOGRAM_OCTAVES * HISTOGRAM_STEPS && histogram->count; bin++) {
+		seen += histogram->bins[bin];
+		if (seen >= wanted && seen)
+			return bin_end(bin) < histogram->max ? bin_end(bin) : histogram->max;
+	}
+	return histogram->max;
+}
+
+/* A string from outside (a GL driver's name) with what JSON needs escaped. */
+static void print_string(FILE *to, const char *text)
+{
+	fputc('"', to);
+	for (; text && *text; text++) {
+		if (*text == '"' || *text == '\\')
+			fprintf(to, "\\%c", *text);
+		else if ((unsigned char)*text < 0x20)
+			fprintf(to, "\\u%04x", (unsigned)*text);
+		else
+			fputc(*text, to);
+	}
+	fputc('"', to);
+}
+
+static void print_times(FILE *to, const char *name, const struct histogram *h)
+{
+	fprintf(to, "  \"%s\": {\"median\": %.3f, \"p95\": %.3f, \"p99\": %.3f, \"p999\": %.3f, \"max\": %.3f},\n", name,
+		(double)histogram_quantile(h, 0.5) / 1e6, (double)histogram_quantile(h, 0.95) / 1e6,
+		(double)histogram_quantile(h, 0.99) / 1e6, (double)histogram_quantile(h, 0.999) / 1e6, (double)h->max / 1e6);
+}
+
+static void print_counts(FILE *to, const char *name, const struct histogram *h)
+{
+	fprintf(to, "  \"%s\": {\"median\": %llu, \"p99\": %llu, \"max\": %llu},\n", name,
+		(unsigned long long)histogram_quantile(h, 0.5), (unsigned long long)histogram_quantile(h, 0.99),
+		(unsigned long long)h->max);
+}
+
+static unsigned long long peak_rss_bytes(void)
+{
+	struct rusage usage;
+	return getrusage(RUSAGE_SELF, &usage) == 0 ? (unsigned long long)usage.ru_maxrss * 1024 : 0;
+}
+
+void stats_print_json(const struct stats *s, FILE *to)
+{
+	fprintf(to, "{\n  \"frames\": %llu,\n  \"renderer\": ", (unsigned long long)s->frames);
+	print_string(to, s->renderer);
+	fprintf(to, ",\n  \"size\": [%u, %u],\n  \"samples\": %u,\n  \"far\": ", s->width, s->height, s->samples);
+	print_string(to, s->far_name);
+	fprintf(to, ",\n  \"tau_px\": %g,\n", s->tau_px);
+	print_times(to, "frame_ms", &s->frame_ns);
+	print_counts(to, "triangles", &s->triangles);
+	print_counts(to, "far_triangles", &s->far_triangles);
+	print_counts(to, "draws", &s->draws);
+	fprintf(to,
+		"  \"cells\": {\"entered\": %llu, \"late_frames\": %llu, \"fallback_frames\": %llu, \"damaged_chunks\": "
+		"%llu},\n",
+		(unsigned long long)s->cells_entered, (unsigned long long)s->late_frames,
+		(unsigned long long)s->fallback_frames, (unsigned long long)s->damaged_chunks);
+	fprintf(to,
+		"  \"memory\": {\"budget_bytes\": %llu, \"cpu_high_water_bytes\": %llu, \"gpu_high_water_bytes\": %llu, "
+		"\"allocations_after_start\": %llu, \"peak_rss_bytes\": %llu},\n",
+		(unsigned long long)s->budget_bytes, (unsigned long long)s->cpu_high_water_bytes,
+		(unsigned long long)s->gpu_high_water_bytes, (unsigned long long)s->allocations_after_start, peak_rss_bytes());
+	fprintf(to, "  \"start_ms\": {\"first_frame\": %.1f},\n", s->first_frame_ms);
+	fprintf(to, "  \"route\": {\"reroutes\": %llu, \"off_street_frames\": %llu},\n", (unsigned long long)s->reroutes,
+		(unsigned long long)s->off_street_frames);
+	fprintf(to, "  \"vehicle\": {\"frames_in\": %llu, \"frames_bad\": %llu, \"stale_ms_max\": %lld}\n}\n",
+		(unsigned long long)s->can_frames_in, (unsigned long long)s->can_frames_bad,
+		(long long)(s->stale_ns_max / 1000000));
+}
+
+int stats_write(const struct stats *stats, const char *path)
+{
+	char part[PATH_MAX];
+	if (snprintf(part, sizeof(part), "%s.part", path) >= (int)sizeof(part))
+		return -ENAMETOOLONG;
+	FILE *file = fopen(part, "w");
+	if (!file)
+		return -errno;
+	stats_print_json(stats, file);
+	int status = ferror(file) ? -EIO : 0;
+	if (fclose(file) && !status)
+		status = -errno;
+	if (!status && rename(part, path))
+		status = -errno;
+	if (status)
+		unlink(part);
+	return status;
+}

@@ -1,0 +1,46 @@
+/*
+ * What a run measured, and its JSON. Samples go into histograms of fixed size, so a run of any length costs the same
+ * memory; a quantile is exact to one part in 64.
+ */
+#ifndef BLVD_BOARD_STATS_H
+#define BLVD_BOARD_STATS_H
+
+#include <stdint.h>
+#include <stdio.h>
+
+#define HISTOGRAM_STEPS 128 /* per factor of two */
+#define HISTOGRAM_OCTAVES 40
+
+struct histogram {
+	uint32_t bins[HISTOGRAM_OCTAVES * HISTOGRAM_STEPS];
+	uint64_t count;
+	uint64_t max;
+};
+
+void histogram_add(struct histogram *histogram, uint64_t value);
+
+/* The smallest value that at least a share `quantile` (0 to 1] of the samples does not exceed; 0 without samples. */
+uint64_t histogram_quantile(const struct histogram *histogram, double quantile);
+
+struct stats {
+	struct histogram frame_ns, triangles, far_triangles, draws;
+	uint64_t frames;
+	const char *renderer; /* GL's name; borrowed */
+	const char *far_name;
+	uint32_t width, height;
+	uint32_t samples;
+	double tau_px;
+	uint64_t cells_entered, late_frames, fallback_frames, damaged_chunks;
+	uint64_t budget_bytes, cpu_high_water_bytes, gpu_high_water_bytes, allocations_after_start;
+	double first_frame_ms;
+	uint64_t can_frames_in, can_frames_bad;
+	int64_t stale_ns_max;
+	uint64_t reroutes, off_street_frames;
+};
+
+void stats_print_json(const struct stats *stats, FILE *to);
+
+/* Whole or not at all. Returns 0 or -errno. */
+int stats_write(const struct stats *stats, const char *path);
+
+#endif
