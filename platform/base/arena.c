@@ -13,6 +13,8 @@ void arena_init(struct arena *arena, const char *name, void *base, size_t size)
 void *arena_alloc(struct arena *arena, size_t size, size_t align)
 {
 	assert(align != 0 && (align & (align - 1)) == 0);
+	if (arena->sealed)
+		arena->late++;
 	uintptr_t at = (uintptr_t)arena->base + arena->used;
 	size_t pad = (size_t)(-at & (align - 1));
 	size_t left = arena->size - arena->used;
@@ -34,6 +36,11 @@ int arena_carve(struct arena *parent, struct arena *child, const char *name, siz
 		return -ENOMEM;
 	arena_init(child, name, base, size);
 	return 0;
+}
+
+void arena_seal(struct arena *arena)
+{
+	arena->sealed = true;
 }
 
 size_t arena_mark(const struct arena *arena)
