@@ -60,7 +60,8 @@ struct way {
 	bool drivable;     /* part of the street graph */
 	bool bridge, tunnel, roundabout, link, is_private, lit;
 	bool passage; /* tunnel=building_passage or covered=*: at ground level under a building; `tunnel` is then false */
-	int oneway;   /* 0 both ways, 1 along the nodes, -1 against them */
+	bool is_sidewalk, is_crossing; /* a footway that is a street's own sidewalk, or crosses one */
+	int oneway;                    /* 0 both ways, 1 along the nodes, -1 against them */
 	int layer;
 	int lanes_forward, lanes_backward; /* > 0 where driving is allowed; inferred by class where missing */
 	double width_m;                    /* carriageway (or path); inferred from lanes and class where missing */
@@ -145,6 +146,7 @@ struct building {
 	int64_t id; /* OSM way, or minus the relation; record number for other sets */
 	struct polygon footprint;
 	enum building_kind kind;
+	bool kind_given;     /* false: building=yes and nothing else told the kind; BUILDING_APARTMENTS until inferred */
 	bool is_part;        /* building:part */
 	bool has_parts;      /* an outline whose parts are drawn instead of it */
 	uint32_t outline;    /* for a part: index of the outline it belongs to, or PKG_NONE */

@@ -1,0 +1,255 @@
+/* All inputs into one city: what each file is, where the city lies, and in which order things are made. */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "platform/base/clock.h"
+#include "platform/base/log.h"
+#include "tools/bake/bake.h"
+#include "tools/read/osm_parse.h"
+#include "tools/read/osm_reader.h"
+#include "tools/read/traffic_side.h"
+
+#define OSM_CREDIT "\xC2\xA9 OpenStreetMap contributors, ODbL"
+/* A node of a street or house this far from the middle of all of them is a mistake. */
+#define FAR_DEG 1.0
+
+bool osm_length(struct osm_reader *reader, const struct osm_tags *tags, const char *key, int64_t id, double low,
+	double high, double *out)
+{
+	const char *value = osm_tag(tags, key);
+	double number = 0.0;
+	if (!value)
+		return false;
+	enum tag_verdict verdict = tag_length_m(value, &number);
+	if (verdict == TAG_BAD || number < low || number > high) {
+		report_fault(reader->city->report, FAULT_BAD_NUMBER, FAULT_DROPPED, id);
+		return false;
+	}
+	if (verdict == TAG_MENDED)
+		report_fault(reader->city->report, FAULT_BAD_NUMBER, FAULT_MENDED, id);
+	*out = number;
+	return true;
+}
+
+bool osm_number(struct osm_reader *reader, const struct osm_tags *tags, const char *key, int64_t id, double low,
+	double high, double *out)
+{
+	const char *value = osm_tag(tags, key);
+	double number = 0.0;
+	if (!value)
+		return false;
+	enum tag_verdict verdict = tag_number(value, &number);
+	if (verdict == TAG_BAD || number < low || number > high) {
+		report_fault(reader->city->report, FAULT_BAD_NUMBER, FAULT_DROPPED, id);
+		return false;
+	}
+	if (verdict == TAG_MENDED)
+		report_fault(reader->city->report, FAULT_BAD_NUMBER, FAULT_MENDED, id);
+	*out = number;
+	return true;
+}
+
+const char *osm_name(struct osm_reader *reader, const struct osm_tags *tags)
+{
+	const char *name = osm_tag(tags, "name");
+	return name && *name ? pool_string(&reader->city->pool, name) : NULL;
+}
+
+static int by_value(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return x < y ? -1 : x > y;
+}
+
+/* Bounds in degrees, longitudes relative to `base_lon`. */
+struct geo_bounds {
+	double south, west, north, east, base_lon;
+	bool any;
+};
+
+static void extend(struct geo_bounds *bounds, double lat, double lon)
+{
+	if (!bounds->any)
+		*bounds = (struct geo_bounds){ lat, 0.0, lat, 0.0, lon, true };
+	double x = geo_lon_diff(lon, bounds->base_lon);
+	bounds->south = fmin(bounds->south, lat);
+	bounds->north = fmax(bounds->north, lat);
+	bounds->west = fmin(bounds->west, x);
+	bounds->east = fmax(bounds->east, x);
+}
+
+typedef ARRAY(double) double_array;
+
+static double median(double_array *values)
+{
+	qsort(values->items, values->count, sizeof(double), by_value);
+	return values->items[values->count / 2];
+}
+
+/* Nodes of buildings and drivable ways; those far from the others are marked bad and counted. */
+static void osm_bounds(struct osm_store *store, struct geo_bounds *out)
+{
+	double_array lats = { 0 }, lons = { 0 };
+	double base = 0.0, lat = 0.0, lon = 0.0;
+	for (int pass = 0; pass < 2; pass++) {
+		for (size_t i = 0; i < store->ways.count; i++) {
+			const struct osm_way *way = &store->ways.items[i];
+			if (!osm_is_building(&way->tags) && !osm_is_drivable(&way->tags))
+				continue;
+			for (size_t j = 0; j < way->ref_count; j++) {
+				struct osm_node *node = osm_store_node(store, way->refs[j]);
+				if (!node)
+					continue;
+				base = lats.count ? base : node->lon_deg;
+				if (!pass) {
+					ARRAY_PUSH(&lats, node->lat_deg);
+					ARRAY_PUSH(&lons, geo_lon_diff(node->lon_deg, base));
+				} else if (fabs(node->lat_deg - lat) > FAR_DEG ||
+						   fabs(geo_lon_diff(node->lon_deg, base) - lon) * cos(lat * BLVD_PI / 180.0) > FAR_DEG) {
+					node->bad = true;
+					report_fault(store->report, FAULT_BAD_NUMBER, FAULT_DROPPED, node->id);
+					osm_mark(&node->fate, ELEMENT_FAULTY);
+				} else {
+					extend(out, node->lat_deg, node->lon_deg);
+				}
+			}
+		}
+		if (!lats.count)
+			break;
+		if (!pass) {
+			lat = median(&lats);
+			lon = median(&lons);
+		}
+	}
+	ARRAY_FINISH(&lats);
+	ARRAY_FINISH(&lons);
+}
+
+static void set_frame(struct city *city, const struct geo_bounds *bounds)
+{
+	struct geo_point origin = { (bounds->south + bounds->north) / 2.0,
+		remainder(bounds->base_lon + (bounds->west + bounds->east) / 2.0, 360.0) };
+	/* A round origin: the same city from two extracts that differ by a metre has the same one more often than not. */
+	origin.lat_deg = round(origin.lat_deg * 1e5) / 1e5;
+	origin.lon_deg = round(origin.lon_deg * 1e5) / 1e5;
+	city->frame = geo_frame_at(origin);
+}
+
+static void cover(struct bounds *bounds, struct dvec2 at)
+{
+	bounds->min = (struct dvec2){ fmin(bounds->min.x, at.x), fmin(bounds->min.y, at.y) };
+	bounds->max = (struct dvec2){ fmax(bounds->max.x, at.x), fmax(bounds->max.y, at.y) };
+}
+
+static struct bounds plane_bounds(const struct city *city, const struct geo_bounds *geo)
+{
+	struct bounds bounds = { { INFINITY, INFINITY }, { -INFINITY, -INFINITY } };
+	/* The sides bulge a little between the corners. */
+	for (int i = 0; i <= 2; i++)
+		for (int j = 0; j <= 2; j++)
+			cover(&bounds,
+				geo_to_plane(&city->frame, (struct geo_point){ geo->south + (geo->north - geo->south) * i / 2.0,
+											   geo->base_lon + geo->west + (geo->east - geo->west) * j / 2.0 }));
+	return bounds;
+}
+
+static void set_extent(struct city *city)
+{
+	struct bounds bounds = { { INFINITY, INFINITY }, { -INFINITY, -INFINITY } };
+	for (size_t i = 0; i < city->buildings.count; i++) {
+		struct dvec2 min, max;
+		ring_bounds(&city->buildings.items[i].footprint.outer, &min, &max);
+		cover(&bounds, min);
+		cover(&bounds, max);
+	}
+	for (size_t i = 0; i < city->ways.count; i++)
+		for (size_t j = 0; city->ways.items[i].drivable && j < city->ways.items[i].node_count; j++)
+			cover(&bounds, city->ways.items[i].nodes[j].at);
+	if (bounds.min.x > bounds.max.x)
+		bounds = (struct bounds){ { 0.0, 0.0 }, { 0.0, 0.0 } };
+	city->min = bounds.min;
+	city->max = bounds.max;
+}
+
+static void make_osm(struct city *city, struct osm_store *store, const struct geo_bounds *bounds, bool clip)
+{
+	struct osm_reader reader = { .city = city, .store = store, .clip = clip };
+	osm_store_project(store, &city->frame);
+	shaper_init(&reader.shaper, &city->pool, city->report);
+	reader.built = plane_bounds(city, bounds);
+	osm_make_buildings(&reader);
+	osm_make_ways(&reader);
+	osm_make_restrictions(&reader);
+	osm_make_areas(&reader);
+	osm_make_trees(&reader);
+	shaper_finish(&reader.shaper);
+	ARRAY_FINISH(&reader.aliases);
+}
+
+/* "geneva" of "dir/geneva.osm.pbf". */
+static const char *name_of(struct city *city, const char *path)
+{
+	const char *slash = strrchr(path, '/');
+	char *name = pool_string(&city->pool, slash ? slash + 1 : path);
+	char *dot = strchr(name, '.');
+	if (dot && dot != name)
+		*dot = 0;
+	return name;
+}
+
+static void count_results(struct city *city)
+{
+	uint64_t *counts = city->report->counts;
+	for (size_t i = 0; i < city->buildings.count; i++)
+		counts[city->buildings.items[i].is_part ? COUNT_PARTS : COUNT_BUILDINGS]++;
+	for (size_t i = 0; i < city->ways.count; i++)
+		counts[COUNT_DRIVABLE_WAYS] += city->ways.items[i].drivable;
+	counts[COUNT_WAYS] += city->ways.count;
+	counts[COUNT_TREES] += city->trees.count;
+	counts[COUNT_AREAS] += city->areas.count;
+	counts[COUNT_RESTRICTIONS] += city->restrictions.count;
+}
+
+static int read_all(struct city *city, const struct read_options *options, struct osm_store *store)
+{
+	struct geo_bounds bounds = { 0 };
+	int status = 0;
+	for (size_t i = 0; i < options->input_count && !status; i++)
+		status = osm_parse(store, options->inputs[i]);
+	if (status)
+		return status;
+	osm_store_sort(store);
+	osm_bounds(store, &bounds);
+	if (options->bounds) {
+		bounds = (struct geo_bounds){ 0 };
+		extend(&bounds, options->bounds[1], options->bounds[0]);
+		extend(&bounds, options->bounds[3], options->bounds[2]);
+	}
+	if (!bounds.any) {
+		log_error("%s: neither streets nor buildings in it", options->input_count ? options->inputs[0] : "input");
+		return -EBADMSG;
+	}
+	set_frame(city, &bounds);
+	make_osm(city, store, &bounds, options->bounds != NULL);
+	city->attribution = OSM_CREDIT;
+	city->right_hand_traffic = traffic_side_right(city, store);
+	set_extent(city);
+	osm_store_tally(store);
+	return 0;
+}
+
+int read_city(struct city *city, const struct read_options *options)
+{
+	struct osm_store store;
+	int64_t start = clock_now_ns();
+	osm_store_init(&store, city->report);
+	city->name = options->name ? pool_string(&city->pool, options->name)
+							   : name_of(city, options->input_count ? options->inputs[0] : "city");
+	int status = read_all(city, options, &store);
+	osm_store_finish(&store);
+	if (!status)
+		count_results(city);
+	city->report->seconds[STEP_READ] += (double)(clock_now_ns() - start) * 1e-9;
+	return status;
+}
