@@ -1,14 +1,4 @@
 #include "tools/bake/bake.h"
-__attribute__((weak)) int read_city(struct city *city, const struct read_options *options)
-{
-	(void)city;
-	(void)options;
-	return -1;
-}
-__attribute__((weak)) void heights_infer(struct city *city)
-{
-	(void)city;
-}
 __attribute__((weak)) void graph_build(struct city *city, struct graph_data *out)
 {
 	(void)city;
@@ -71,17 +61,6 @@ __attribute__((weak)) int text_bake(
 __attribute__((weak)) void text_data_finish(struct text_data *text)
 {
 	(void)text;
-}
-__attribute__((weak)) void report_print(const struct report *report, FILE *to)
-{
-	(void)report;
-	(void)to;
-}
-__attribute__((weak)) int report_write_json(const struct report *report, const char *path)
-{
-	(void)report;
-	(void)path;
-	return 0;
 }
 __attribute__((weak)) int paint_ground(struct material_layer *layers)
 {
