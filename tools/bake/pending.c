@@ -1,18 +1,4 @@
 #include "tools/bake/bake.h"
-__attribute__((weak)) void graph_build(struct city *city, struct graph_data *out)
-{
-	(void)city;
-	*out = (struct graph_data){ 0 };
-}
-__attribute__((weak)) void graph_data_finish(struct graph_data *graph)
-{
-	(void)graph;
-}
-__attribute__((weak)) struct pkg_graph graph_view(const struct graph_data *graph)
-{
-	(void)graph;
-	return (struct pkg_graph){ 0 };
-}
 __attribute__((weak)) void blocks_assign(struct city *city, const struct pkg_graph *graph)
 {
 	(void)city;
