@@ -11,6 +11,7 @@
 #include "platform/base/log.h"
 #include "platform/base/rng.h"
 #include "tools/bake/bake.h"
+#include "tools/bake/font_faces.h"
 #include "tools/commands.h"
 
 #define LIST_MAX 64
@@ -202,7 +203,10 @@ static int bake_text(struct bake *bake)
 	for (size_t i = 0; i < strings.count; i++)
 		if (strings.items[i][0] && (!kept || strcmp(strings.items[kept - 1], strings.items[i]) != 0))
 			strings.items[kept++] = strings.items[i];
-	int status = text_bake(bake->options->fonts.items, bake->options->fonts.count, strings.items, kept, &bake->text);
+	struct list fonts = bake->options->fonts;
+	if (!fonts.count)
+		fonts.count = text_default_fonts(fonts.items, LIST_MAX);
+	int status = text_bake(fonts.items, fonts.count, strings.items, kept, &bake->text);
 	ARRAY_FINISH(&strings);
 	return status;
 }
@@ -221,6 +225,7 @@ static uint64_t hash_options(const struct bake_options *options)
 static void count_results(struct bake *bake)
 {
 	uint64_t *counts = bake->report.counts;
+	memset(counts, 0, sizeof(bake->report.counts));
 	for (size_t i = 0; i < bake->city.buildings.count; i++)
 		counts[bake->city.buildings.items[i].is_part ? COUNT_PARTS : COUNT_BUILDINGS]++;
 	for (size_t i = 0; i < bake->city.ways.count; i++)
