@@ -3,6 +3,7 @@ precision highp float;
 precision highp int;
 precision highp sampler2DArray;
 
+#ifndef NO_FRAME_BLOCK // for what needs no light: an active block must always be bound
 // What all shaders of a frame share: struct frame_block of render/frame_block.h, binding 0.
 layout(std140) uniform Frame {
 	highp vec4 sun_direction; // xyz towards the sun or moon, w night: 0 day to 1 night
@@ -14,6 +15,7 @@ layout(std140) uniform Frame {
 	highp vec4 eye;           // xyz eye height above the city's datum in z; x, y unused; w simulated seconds, modulo 1024
 	highp vec4 screen;        // width, height, 1 / width, 1 / height
 };
+#endif
 
 // Linear light to sRGB: least-squares fit in square roots, within 2/255 of the curve.
 vec3 encode_srgb(vec3 c)

@@ -1,0 +1,159 @@
+/* Puts the parts together; decides day or night, sizes, and how much of the route is drawn. */
+#include "render/overlay.h"
+
+#include <errno.h>
+#include <math.h>
+
+#define LIGHT_CHANGE_S 0.8f
+
+float overlay_scale(uint32_t width, uint32_t height)
+{
+	float w = (float)width, h = (float)height;
+	float scale = fminf(fminf(w, h) / 720.0f, fmaxf(w, h) / 1100.0f);
+	return fmaxf(scale, 0.58f);
+}
+
+int overlay_init(struct overlay *overlay, struct arena *arena, struct gfx *gfx, const struct pkg *pkg,
+	const struct overlay_config *config)
+{
+	*overlay = (struct overlay){ .pkg = pkg, .gfx = gfx };
+	if (config)
+		overlay->config = *config;
+	if (overlay->config.units == UNITS_AUTO)
+		overlay->config.units = wording_units_of(pkg->meta);
+	overlay->memory.shown_speed = -1;
+	text_font_init(&overlay->font, pkg);
+	int status = canvas_init(&overlay->canvas, arena, gfx, pkg, overlay->config.vertices);
+	if (status < 0)
+		return status;
+	status = ribbon_init(&overlay->ribbon, arena, gfx, overlay->config.ribbon_points);
+	if (status == 0)
+		status = labels_init(&overlay->labels, arena, pkg, &overlay->font);
+	if (status < 0)
+		overlay_finish(overlay);
+	return status;
+}
+
+void overlay_finish(struct overlay *overlay)
+{
+	ribbon_finish(&overlay->ribbon);
+	canvas_finish(&overlay->canvas);
+	*overlay = (struct overlay){ 0 };
+}
+
+/* Day and night have a gap between them, so that dusk does not flicker; the change itself is gradual. */
+static void follow_light(struct overlay *overlay, const struct overlay_input *input)
+{
+	double light = input->nav->ambient >= 0.0 ? input->nav->ambient : (double)input->daylight;
+	if (!overlay->started || input->time_ns < overlay->time_ns) {
+		overlay->by_day = light > 0.4;
+		overlay->day = overlay->by_day ? 1.0f : 0.0f;
+		overlay->time_ns = input->time_ns;
+		overlay->started = true;
+	}
+	overlay->by_day = overlay->by_day ? light > 0.3 : light > 0.45;
+	float step = (float)((double)(input->time_ns - overlay->time_ns) * 1e-9) / LIGHT_CHANGE_S;
+	overlay->time_ns = input->time_ns;
+	overlay->day = overlay->by_day ? fminf(overlay->day + step, 1.0f) : fmaxf(overlay->day - step, 0.0f);
+	palette_mix(&overlay->palette, overlay->day);
+}
+
+static struct ribbon_look look_of(enum camera_kind kind)
+{
+	bool above = kind == CAMERA_HEADING_UP || kind == CAMERA_NORTH_UP;
+	if (above)
+		return (struct ribbon_look){ .start_m = -1.0f, .start_fade_m = 1.0f, .end_m = 1e6f, .end_fade_m = 60.0f };
+	return (struct ribbon_look){
+		.start_m = kind == CAMERA_CHASE ? 2.0f : 4.0f,
+		.start_fade_m = 7.0f,
+		.end_m = 900.0f,
+		.end_fade_m = 350.0f,
+		.arrow = true,
+	};
+}
+
+static const char *message_of(const struct overlay *overlay, const struct overlay_input *input)
+{
+	if (input->message && *input->message)
+		return input->message;
+	if (input->map_damaged)
+		return "Map damaged: parts are missing";
+	if (!overlay->pkg->graph.edge_count)
+		return "No street graph in this map";
+	return NULL;
+}
+
+static float picture_heading(const struct view *view)
+{
+	/* straight down, the picture's up tells; else where it looks */
+	float level = hypotf(view->forward.x, view->forward.y);
+	const struct vec3 *ahead = level > 0.3f ? &view->forward : &view->up;
+	return atan2f(ahead->x, ahead->y);
+}
+
+static void draw_hud(struct overlay *overlay, const struct overlay_input *input)
+{
+	float scale = overlay_scale(input->view->width, input->view->height);
+	struct hud hud = {
+		.canvas = &overlay->canvas,
+		.font = &overlay->font,
+		.palette = &overlay->palette,
+		.pkg = overlay->pkg,
+		.nav = input->nav,
+		.memory = &overlay->memory,
+		.units = overlay->config.units,
+		.zone_minutes = overlay->config.utc_offset_minutes,
+		.zone_known = overlay->config.zone_given,
+		.scale = scale,
+		.width = (float)input->view->width,
+		.height = (float)input->view->height,
+		.margin = 24.0f * scale,
+	};
+	hud_credit(&hud);
+	hud_next(&hud);
+	hud_compass(&hud, picture_heading(input->view));
+	hud_speed(&hud);
+	hud_trip(&hud);
+	hud_street(&hud);
+	hud_status(&hud);
+	hud_message(&hud, message_of(overlay, input));
+	memcpy(overlay->taken, hud.taken, sizeof(overlay->taken));
+	overlay->taken_count = hud.taken_count;
+}
+
+void overlay_update(struct overlay *overlay, const struct overlay_input *input)
+{
+	overlay->view = *input->view;
+	overlay->look = look_of(input->kind);
+	follow_light(overlay, input);
+	ribbon_update(&overlay->ribbon, overlay->pkg, input->nav, &overlay->palette);
+	canvas_begin(&overlay->canvas, input->view->width, input->view->height);
+	draw_hud(overlay, input);
+	struct labels_input labels = {
+		.view = input->view,
+		.nav = input->nav,
+		.kind = input->kind,
+		.now_ns = input->time_ns,
+		.scale = overlay_scale(input->view->width, input->view->height),
+		.taken = overlay->taken,
+		.taken_count = overlay->taken_count,
+	};
+	labels_update(&overlay->labels, &labels);
+	labels_draw(&overlay->labels, &overlay->canvas, &overlay->palette);
+	canvas_upload(&overlay->canvas);
+}
+
+void overlay_draw_world(const struct overlay *overlay, enum view_slice_id slice)
+{
+	ribbon_draw(&overlay->ribbon, &overlay->view, slice, &overlay->look);
+}
+
+void overlay_draw_hidden(const struct overlay *overlay, enum view_slice_id slice)
+{
+	ribbon_draw_hidden(&overlay->ribbon, &overlay->view, slice, &overlay->look);
+}
+
+void overlay_draw_screen(const struct overlay *overlay)
+{
+	canvas_draw(&overlay->canvas);
+}
