@@ -57,6 +57,27 @@ static double steepest(const struct pkg_graph *graph)
 	return worst;
 }
 
+/* Places along all streets that are on the ground, where a wall stands in the carriageway. */
+static size_t walls_met(const struct city *city, const struct pkg_graph *graph)
+{
+	size_t met = 0;
+	for (size_t i = 0; i < city->buildings.count; i++) {
+		const struct building *b = &city->buildings.items[i];
+		if (b->min_height_m > 3.0 || b->kind == BUILDING_ROOF)
+			continue;
+		struct dvec2 min, max;
+		ring_bounds(&b->footprint.outer, &min, &max);
+		for (uint32_t p = 0; p < graph->point_count; p++) {
+			const int32_t *mm = graph->points[p].pos_mm;
+			struct dvec2 at = { mm[0] / 1000.0, mm[1] / 1000.0 };
+			bool on_ground = fabs(mm[2] / 1000.0 - city_ground(city, at)) < 0.1;
+			met += at.x > min.x && at.x < max.x && at.y > min.y && at.y < max.y && on_ground &&
+				   polygon_contains(&b->footprint, at);
+		}
+	}
+	return met;
+}
+
 static void check_place(const char *data, const struct place *place)
 {
 	char streets[512], terrain[512];
@@ -75,11 +96,22 @@ static void check_place(const char *data, const struct place *place)
 	assert_int_equal(graph_check(&view), 0);
 	assert_true(graph.edges.count >= place->least_edges);
 	double connected = connected_share(&view), grade = steepest(&view);
-	print_message("%s: %zu nodes, %zu edges, %zu faces, %zu turns, %.1f %% connected, steepest %.0f %%\n", place->streets,
-		graph.nodes.count, graph.edges.count, graph.faces.count, graph.turns.count, 100.0 * connected, 100.0 * grade);
+	print_message("%s: %zu nodes, %zu edges, %zu faces, %zu turns, %.1f %% connected, steepest %.0f %%\n",
+		place->streets, graph.nodes.count, graph.edges.count, graph.faces.count, graph.turns.count, 100.0 * connected,
+		100.0 * grade);
 	assert_true(connected >= place->least_connected);
 	if (!place->terrain)
 		assert_true(grade < 2.0 * GRAPH_GRADE);
+	heights_infer(&city);
+	blocks_assign(&city, &view);
+	print_message("  %zu buildings, in street %llu + %llu, street through %llu + %llu, over faults %llu + %llu\n",
+		city.buildings.count, (unsigned long long)report.faults[FAULT_BUILDING_IN_STREET][FAULT_MENDED],
+		(unsigned long long)report.faults[FAULT_BUILDING_IN_STREET][FAULT_DROPPED],
+		(unsigned long long)report.faults[FAULT_STREET_THROUGH_BUILDING][FAULT_MENDED],
+		(unsigned long long)report.faults[FAULT_STREET_THROUGH_BUILDING][FAULT_DROPPED],
+		(unsigned long long)report.faults[FAULT_BRIDGE_PROFILE][FAULT_MENDED],
+		(unsigned long long)report.faults[FAULT_BRIDGE_PROFILE][FAULT_DROPPED]);
+	assert_int_equal(walls_met(&city, &view), 0);
 	graph_data_finish(&graph);
 	city_finish(&city);
 }

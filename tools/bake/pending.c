@@ -1,9 +1,4 @@
 #include "tools/bake/bake.h"
-__attribute__((weak)) void blocks_assign(struct city *city, const struct pkg_graph *graph)
-{
-	(void)city;
-	(void)graph;
-}
 __attribute__((weak)) void light_map_bake(const struct city *city, const lamp_array *lamps, struct light_map *out)
 {
 	(void)city;
