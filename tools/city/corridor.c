@@ -18,9 +18,8 @@ struct stretch {
 	struct dvec3 a, b;
 	double half_width_m;
 	uint32_t edge;
-	bool round_a, round_b; /* the street goes on there */
-	bool arch;             /* may pass under a building */
-	bool declared;         /* and the data says that it does */
+	bool arch;     /* may pass under a building */
+	bool declared; /* and the data says that it does */
 };
 
 struct corridor {
@@ -70,8 +69,6 @@ static void list_edge(struct corridor *corridor, const struct pkg_graph *graph, 
 	for (uint32_t i = 0; i + 1 < edge->point_count; i++, p++) {
 		s.a = metres(&p[0]);
 		s.b = metres(&p[1]);
-		s.round_a = i > 0 || graph->nodes[graph->halves[2 * e].origin].out_count > 1;
-		s.round_b = i + 2 < edge->point_count || graph->nodes[graph->halves[2 * e + 1].origin].out_count > 1;
 		double ground = city_ground(corridor->city, (struct dvec2){ (s.a.x + s.b.x) / 2.0, (s.a.y + s.b.y) / 2.0 });
 		bool buried = edge->flags & PKG_EDGE_TUNNEL && (s.a.z + s.b.z) / 2.0 < ground - CLOSED_TUNNEL_M;
 		if (!buried)
@@ -199,15 +196,15 @@ static GEOSGeometry *band(const struct shaper *shaper, const struct stretch *s)
 	return shape_to_geos(shaper, &(struct polygon){ .outer = { corners, 4 } });
 }
 
-/* Union of the stretches hit; those of arches only, when asked. NULL when there are none or GEOS fails. */
+/* Union of the stretches hit, round at their ends: a dead end keeps its distance from the wall too. */
 static GEOSGeometry *corridor_shape(struct corridor *corridor)
 {
 	GEOSContextHandle_t geos = corridor->shaper.geos;
 	ARRAY(GEOSGeometry *) parts = { 0 };
 	for (size_t i = 0; i < corridor->hits.count; i++) {
 		const struct stretch *s = &corridor->stretches.items[corridor->hits.items[i]];
-		GEOSGeometry *pieces[3] = { band(&corridor->shaper, s), s->round_a ? disc(geos, s->a, s->half_width_m) : NULL,
-			s->round_b ? disc(geos, s->b, s->half_width_m) : NULL };
+		GEOSGeometry *pieces[3] = { band(&corridor->shaper, s), disc(geos, s->a, s->half_width_m),
+			disc(geos, s->b, s->half_width_m) };
 		for (int k = 0; k < 3; k++)
 			if (pieces[k])
 				ARRAY_PUSH(&parts, pieces[k]);
