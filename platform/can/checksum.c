@@ -49,6 +49,8 @@ uint64_t can_checksum_expected(
 	}
 	if (kind == CAN_CHECKSUM_CRC8)
 		sum ^= 0xFF;
+	if (kind == CAN_CHECKSUM_XOR && signal->length == 4)
+		sum ^= sum >> 4;
 	return sum & (~UINT64_C(0) >> (64 - signal->length));
 }
 

@@ -9,7 +9,7 @@
 
 enum can_checksum {
 	CAN_CHECKSUM_NONE,
-	CAN_CHECKSUM_XOR,    /* all bytes, exclusive or */
+	CAN_CHECKSUM_XOR,    /* all bytes, exclusive or; of their halves where the signal has 4 bits */
 	CAN_CHECKSUM_SUM,    /* all bytes, sum */
 	CAN_CHECKSUM_TOYOTA, /* length, the bytes of the identifier and all bytes, sum */
 	CAN_CHECKSUM_CRC8,   /* SAE J1850 (polynomial 0x1D, start and final xor 0xFF) over the identifier's two low bytes,

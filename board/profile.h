@@ -1,0 +1,89 @@
+/*
+ * The board profile: one INI file for one display in one car. It says how large the picture and the memory are, which
+ * CAN interfaces and signal definitions there are, and which signal is which. board/README.md tells every key;
+ * board/profiles/ has examples. Without a file the profile of the virtual car (profiles/sim.ini) is used, which is
+ * compiled in.
+ *
+ * Reading a profile touches no other file: the signals are names here. car_init (board/car.h) finds them.
+ */
+#ifndef BLVD_BOARD_PROFILE_H
+#define BLVD_BOARD_PROFILE_H
+
+#include "nav/vehicle.h"
+#include "platform/base/arena.h"
+#include "platform/base/geo.h"
+#include "platform/can/can_bus.h"
+
+#define PROFILE_DBC_MAX 8
+#define PROFILE_DBC_BUILTIN "builtin:boulevard" /* the virtual car's definitions, without a file */
+
+enum profile_style { PROFILE_STYLE_AUTO, PROFILE_STYLE_DAY, PROFILE_STYLE_DUSK, PROFILE_STYLE_NIGHT };
+enum profile_units { PROFILE_UNITS_METRIC, PROFILE_UNITS_IMPERIAL };
+
+struct profile_map {
+	int64_t raw;
+	const char *meaning;
+};
+
+/* One line of [signals]. Strings are NULL where the line does not say; numbers have a `has_` or a stated default. */
+struct profile_signal {
+	unsigned line;       /* 0: this input is not in the profile */
+	const char *message; /* NULL: any */
+	const char *name;
+	const char *bus;  /* NULL: any */
+	const char *unit; /* NULL: as the definitions say */
+	double scale, offset;
+	double sign; /* 1 or -1 */
+	bool has_timeout, has_min, has_max, has_max_rate, has_counter_skip;
+	double timeout_s, frozen_s, min, max, max_rate;
+	const char *counter;
+	unsigned counter_skip;
+	const char *checksum;
+	enum can_checksum checksum_kind;
+	const char *valid;
+	unsigned map_count;
+	struct profile_map map[VEHICLE_MAP_MAX];
+};
+
+struct profile {
+	const char *path; /* as it was given; "built-in profile" */
+	uint32_t width, height;
+	uint32_t fps;
+	uint32_t samples; /* MSAA; 0 or 1: none */
+	enum profile_style style;
+	enum profile_units units;
+	uint64_t budget_bytes;
+	bool has_start, has_heading;
+	struct geo_point start;
+	double start_heading_deg;
+	unsigned dbc_count;
+	const char *dbc[PROFILE_DBC_MAX]; /* ready to open: relative names are relative to the profile's folder */
+	unsigned interface_count;
+	const char *interfaces[CAN_BUS_MAX];
+	double wheelbase_m, track_m; /* 0: not said */
+	double steering_ratio;
+	double steering_centre_deg;
+	double understeer_s2pm2;
+	bool speed_signed;
+	struct profile_signal signals[VEHICLE_INPUT_COUNT];
+	unsigned warnings; /* unknown keys; each was logged */
+};
+
+struct profile_error {
+	unsigned line; /* 0: the whole file */
+	char text[200];
+};
+
+/* `text` need not end with a NUL. `path` is kept in `out` and used for relative names; NULL: none. Everything else is
+ * copied into the arena. Returns 0, -EINVAL (`error` says where and what) or -ENOMEM. */
+int profile_parse(struct profile *out, const char *path, const char *text, size_t size, struct arena *arena,
+	struct profile_error *error);
+
+/* `path` NULL: the built-in profile. Returns 0 or -errno, having logged one line that names the file and place. The
+ * path is borrowed. */
+int profile_load(struct profile *out, const char *path, struct arena *arena);
+
+/* The key in [signals] of an input: "speed", "wheel_rear_left"... */
+const char *profile_input_name(enum vehicle_input input);
+
+#endif
