@@ -1,112 +1,111 @@
 /*
- * What the renderer knows of the drive: one flat snapshot a frame, no pointers out. nav_update() (nav.c) makes it from
- * the vehicle state (vehicle.h), dead reckoning (reckon.h), map matching (match.h), the route (route.h) and guidance
- * (guidance.h). Times are passed in; nothing here reads a clock or a file.
+ * Where the car is and where it goes: the one door to this room. Feeds the vehicle state to dead reckoning (reckon.h)
+ * and map matching (match.h), keeps the route (route.h) and what is said about it (guidance.h), and hands out struct
+ * nav_view (nav_view.h), a flat snapshot.
  *
- * Frames: positions are the city frame in int64 mm; headings are binary angles (platform/base/geo.h), 0 north,
- * clockwise.
+ * Times are passed in; nothing here reads a clock or a file. All memory comes from the arena at nav_init(), a few
+ * megabytes for a large city (see nav_bytes()). A call to nav_update() does a bounded amount of work: a route search
+ * goes on over many calls.
  */
 #ifndef BLVD_NAV_NAV_H
 #define BLVD_NAV_NAV_H
 
-#include <stdbool.h>
-#include <stdint.h>
+#include "nav/graph.h"
+#include "nav/guidance.h"
+#include "nav/match.h"
+#include "nav/nav_view.h"
+#include "nav/reckon.h"
+#include "nav/route.h"
 
-#define NAV_ROUTE_AHEAD_MAX 192 /* half-edges of the route handed to the renderer */
-#define NAV_TEXT_MAX 64
+struct vehicle_state;
 
-enum nav_manoeuvre {
-	NAV_MANOEUVRE_NONE,
-	NAV_MANOEUVRE_STRAIGHT,
-	NAV_MANOEUVRE_SLIGHT_LEFT,
-	NAV_MANOEUVRE_LEFT,
-	NAV_MANOEUVRE_SHARP_LEFT,
-	NAV_MANOEUVRE_SLIGHT_RIGHT,
-	NAV_MANOEUVRE_RIGHT,
-	NAV_MANOEUVRE_SHARP_RIGHT,
-	NAV_MANOEUVRE_U_TURN,
-	NAV_MANOEUVRE_ROUNDABOUT, /* take exit number `exit` */
-	NAV_MANOEUVRE_KEEP_LEFT,
-	NAV_MANOEUVRE_KEEP_RIGHT,
-	NAV_MANOEUVRE_MERGE,
-	NAV_MANOEUVRE_ARRIVE,
-};
-
-/* State of one input that the driver can see. */
-enum nav_signal_state {
-	NAV_SIGNAL_ABSENT,  /* not in the profile */
-	NAV_SIGNAL_WAITING, /* in the profile, never seen */
-	NAV_SIGNAL_GOOD,
-	NAV_SIGNAL_STALE,       /* older than its timeout */
-	NAV_SIGNAL_IMPLAUSIBLE, /* out of range, bad counter or checksum, jumps */
-};
-
-enum nav_signal {
-	NAV_SIGNAL_SPEED,
-	NAV_SIGNAL_YAW_RATE,
-	NAV_SIGNAL_HEADING,
-	NAV_SIGNAL_STEERING,
-	NAV_SIGNAL_GEAR,
-	NAV_SIGNAL_TURN_LAMP,
-	NAV_SIGNAL_AMBIENT,
-	NAV_SIGNAL_ODOMETER,
-	NAV_SIGNAL_LATITUDE,
-	NAV_SIGNAL_LONGITUDE,
-	NAV_SIGNAL_COUNT,
-};
-
-enum nav_gear { NAV_GEAR_UNKNOWN, NAV_GEAR_PARK, NAV_GEAR_REVERSE, NAV_GEAR_NEUTRAL, NAV_GEAR_DRIVE };
-enum nav_turn_lamp { NAV_TURN_LAMP_OFF, NAV_TURN_LAMP_LEFT, NAV_TURN_LAMP_RIGHT, NAV_TURN_LAMP_HAZARD };
-
-struct nav_step {
-	enum nav_manoeuvre manoeuvre;
-	uint8_t exit;                /* roundabout exit, from 1 */
-	int32_t angle_bam;           /* turn, clockwise positive */
-	double distance_m;           /* from the car */
-	uint32_t street;             /* STRS offset of the street after it, 0 none */
-	uint32_t from_half, to_half; /* the half-edges on both sides of it */
-	int32_t at_mm[3];
-};
-
-struct nav_view {
-	int64_t time_ns; /* of this snapshot, monotonic or simulated */
-	int64_t wall_ns; /* since 1970 UTC; 0 unknown: for the sun and the arrival time */
-
-	/* the car, matched to the street */
-	bool located;   /* false: no position known yet; the rest of this group is meaningless */
-	bool on_street; /* false: off the graph (car park); position is dead reckoning alone */
-	int64_t pos_mm[3];
-	int32_t heading_bam;
-	double speed_mps;     /* negative when reversing */
-	double yaw_rate_rps;  /* clockwise positive */
-	double uncertainty_m; /* one sigma along the street */
-	uint32_t half;        /* half-edge being driven, or PKG_NONE */
-	double along_m;       /* from its origin */
-	double offset_m;      /* lateral, right of its centre line is positive */
-
-	/* street and limit */
-	uint32_t street;   /* STRS offset of its name, 0 none */
-	int32_t limit_kmh; /* 0 none */
-	bool limit_posted;
-
-	/* route: half-edges from the one being driven (index 0) on */
-	bool routed;
-	bool off_route; /* a new route is being looked for */
-	uint32_t route_count;
-	uint32_t route[NAV_ROUTE_AHEAD_MAX];
-	double route_end_along_m; /* where on the last half-edge the destination is, when the whole rest fits */
-	bool route_complete;      /* the last of route[] is the last of the route */
-	double remaining_m;
-	double remaining_s;
-	struct nav_step next, after_next;
-	uint32_t reroutes;
-
-	/* inputs */
+/* What the car says at one moment, in the units of this room; nav_update() makes it from the vehicle state. */
+struct nav_input {
+	struct reckon_input motion;
 	enum nav_gear gear;
 	enum nav_turn_lamp turn_lamp;
-	double ambient; /* 0 dark to 1 full daylight; negative: unknown */
-	enum nav_signal_state signal[NAV_SIGNAL_COUNT];
-	int64_t signal_age_ns[NAV_SIGNAL_COUNT]; /* INT64_MAX: never seen */
+	bool heading_valid; /* course of a receiver or a compass */
+	double heading_rad;
+	bool fix_valid; /* position of a receiver */
+	int64_t fix_ns; /* when it came: a fix is used once */
+	double lat_deg, lon_deg;
+	double fix_sigma_m;     /* 0 unknown */
+	uint32_t stop_count;    /* the car asks for this route; 0: it says nothing */
+	struct geo_point stops[ROUTE_STOPS_MAX];
 };
+
+struct nav_config {
+	struct reckon_config reckon;
+	uint32_t particles;        /* 0: default of match.h */
+	uint64_t seed;             /* of the particles; the same seed, log and package give the same views */
+	uint32_t route_capacity;   /* 0: default of route.h */
+	uint32_t settle_per_update; /* half-edges a route search may settle in one update; 0: 1500 */
+	bool ignore_gnss;          /* for tests: fixes are used to find the start only */
+};
+
+struct nav {
+	const struct pkg *pkg; /* borrowed */
+	struct nav_config config;
+	struct graph graph;
+	struct reckon reckon; /* its position is the shown one: smooth, pulled towards the matched street */
+	struct match match;
+	struct route_search search;
+	struct route route; /* the one being driven; a copy, so that a new search does not disturb it */
+	struct guidance guidance;
+
+	/* where to go; stop_count 0: free drive */
+	struct route_place stops[ROUTE_STOPS_MAX];
+	uint32_t stop_count, stops_reached;
+	bool routed;            /* `route` is valid */
+	uint32_t route_at;      /* index of the half-edge being driven */
+	double off_route_m;     /* driven beside the route */
+	bool searching;
+	double failed_m;        /* driven since a search found nothing; negative: none did */
+	uint32_t reroutes;
+	uint32_t asked_count; /* stops the car asked for last */
+	struct geo_point asked[ROUTE_STOPS_MAX];
+
+	double learn_s, learn_rad; /* heading corrections since the last lesson in bias */
+	int64_t fix_ns;
+	bool fix_used;
+	bool heading_known;
+	double height_m;
+};
+
+/* Upper bound of what nav_init() takes from the arena for a graph. */
+size_t nav_bytes(const struct pkg_graph *net, const struct nav_config *config);
+
+/* `pkg` is borrowed and must be open for as long as `nav` is used. Returns 0 or -ENOMEM. */
+int nav_init(struct nav *nav, struct arena *arena, const struct pkg *pkg, const struct nav_config *config);
+
+/* The car stands at a place, facing `heading_deg` (clockwise from north; NAN not known). Returns false when no street is
+ * within 150 m. */
+bool nav_set_start(struct nav *nav, double lat_deg, double lon_deg, double heading_deg);
+
+/* The same by half-edge. Returns false when there is no such half-edge. */
+bool nav_set_start_half(struct nav *nav, uint32_t half, double along_m);
+
+/* Where to go: `count` stops in order (1 to ROUTE_STOPS_MAX), the last is the destination. Each is taken to the nearest
+ * street that cars may use. The search begins with the next update that knows where the car is. Returns false, changing
+ * nothing, when a stop is farther than 1 km from any street. */
+bool nav_set_stops(struct nav *nav, const struct geo_point *stops, uint32_t count);
+bool nav_set_destination(struct nav *nav, double lat_deg, double lon_deg);
+bool nav_set_destination_half(struct nav *nav, uint32_t half, double along_m);
+
+/* Free drive: no route. */
+void nav_clear_destination(struct nav *nav);
+
+/*
+ * Moves on to `now_ns` with what the car says, and tells the state. May be called at any rate; between calls speed and
+ * yaw rate are taken to change linearly, so call it at least every 50 ms of driving, also where the picture is slower,
+ * then with `out` NULL. `wall_ns` is the time since 1970 UTC, 0 unknown.
+ */
+void nav_update(
+	struct nav *nav, const struct vehicle_state *vehicle, int64_t now_ns, int64_t wall_ns, struct nav_view *out);
+
+/* The two halves of it, for tools and tests without a bus: nav_snapshot() fills all but the group of inputs, which stays
+ * as it is. */
+void nav_advance(struct nav *nav, const struct nav_input *input, int64_t now_ns);
+void nav_snapshot(struct nav *nav, struct nav_view *out);
 
 #endif

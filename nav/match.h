@@ -1,0 +1,85 @@
+/*
+ * Map matching on the street graph: a particle filter that lives on the half-edges (topology-aware tracking; compare
+ * Gustafsson et al. 2002, "Particle Filters for Positioning, Navigation, and Tracking", section V-C). Each particle is
+ * a place on a half-edge, carried along by the travelled distance, with a heading offset of its own that a scalar
+ * Kalman filter tracks. At junctions particles choose ways out by a prior (one-ways, turn restrictions, straightness,
+ * turn lamp, planned route); the car's heading against the street's then decides who survives. So a turn taken early or
+ * late corrects the distance, and every curve corrects the heading.
+ *
+ * Fixed pool from the arena, own deterministic random numbers, no work while the car stands. Cost: one pass over the
+ * pool for each metre driven.
+ */
+#ifndef BLVD_NAV_MATCH_H
+#define BLVD_NAV_MATCH_H
+
+#include "nav/graph.h"
+#include "nav/reckon.h"
+#include "platform/base/rng.h"
+
+struct match_config {
+	uint32_t particles; /* 0: 384 */
+	uint64_t seed;
+};
+
+/* What is known beside distance and heading; all optional. */
+struct match_hints {
+	int lamp;                  /* -1 left, +1 right, 0 none */
+	const uint32_t *route;     /* half-edges expected next, from the one being driven; NULL none */
+	uint32_t route_count;      /* the first few are looked at */
+};
+
+struct match_particle {
+	uint32_t prev, half, next; /* prev and next: PKG_NONE while not known */
+	double along_m;
+	double offset_rad, offset_var; /* true heading - reckoned heading */
+	double scale;                  /* of the travelled distance */
+	double log_weight;
+	double misfit;  /* squared heading residual over its variance, at most 16, of the last step */
+};
+
+struct match {
+	const struct graph *graph;
+	struct match_particle *particles, *spare;
+	uint32_t count;
+	struct rng rng;
+	/* motion not yet handed to the particles */
+	double pending_m, pending_rad, pending_s, pending_unknown_rad;
+	double since_gnss_m;
+	uint32_t gnss_far;
+	double misfit; /* smoothed over the last 20 m; above 8 the street does not fit */
+	double misfit_m;  /* travelled since the last placing, up to 1e6 */
+	double off_street_m; /* travelled since the street was lost */
+	double good_m;       /* fitting again for this long */
+
+	/* the estimate, after each update */
+	bool located;
+	bool on_street;
+	uint32_t half; /* PKG_NONE before the first placing */
+	double along_m;
+	double offset_rad;    /* add to the reckoned heading */
+	double uncertainty_m; /* one sigma along the street */
+	double confidence;    /* share of the belief that is on this half-edge */
+	uint32_t jumps;       /* the estimate moved to a half-edge that does not touch the last one */
+};
+
+int match_init(struct match *match, struct arena *arena, const struct graph *graph, const struct match_config *config);
+
+/* Starts at a known place of a half-edge; `spread_m` is one sigma along it. `heading_bam` is the reckoned heading. */
+void match_place(struct match *match, uint32_t half, double along_m, double spread_m, int32_t heading_bam);
+
+/* Starts somewhere near a place. With `heading_known` only half-edges within 60 degrees of the reckoned heading count,
+ * if there are any. Returns false, changing nothing, when no street is within `radius_m`. */
+bool match_place_near(
+	struct match *match, struct dvec2 at_m, double radius_m, bool heading_known, int32_t heading_bam);
+
+/* One step of dead reckoning; `reckon` has taken it already. `turn_known` is false when no signal told the turn. */
+void match_update(struct match *match, const struct reckon *reckon, const struct reckon_step *step, bool turn_known,
+	const struct match_hints *hints);
+
+/* A satellite fix. Ignored while standing unless the place was unknown. */
+void match_gnss(struct match *match, const struct reckon *reckon, struct dvec2 at_m, double sigma_m);
+
+/* The reckoned heading was corrected by `rad`. */
+void match_heading_corrected(struct match *match, double rad);
+
+#endif
