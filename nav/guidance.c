@@ -71,10 +71,10 @@ static bool is_choice(const struct graph *graph, uint32_t from, uint32_t taken, 
 
 struct choices {
 	uint32_t count;
-	double straightest_deg;          /* least |angle| of the others */
-	bool straight_is_ours;           /* the straightest other one is the same street as `from` */
+	double straightest_deg;           /* least |angle| of the others */
+	bool straight_is_ours;            /* the straightest other one is the same street as `from` */
 	uint32_t forks_left, forks_right; /* others near ahead, on our left and right */
-	bool fork_main;                  /* one of them is a bigger or the same street as `from` */
+	bool fork_main;                   /* one of them is a bigger or the same street as `from` */
 };
 
 static struct choices look_around(const struct graph *graph, uint32_t from, uint32_t to)
@@ -299,10 +299,9 @@ void guidance_remaining(
 	uint32_t last = route->count - 1;
 	double end_m = guidance->origin_m[last] + route->end_along_m;
 	*remaining_m = fmax(end_m - guidance->origin_m[index] - along_m, 0.0);
-	double end_ms = guidance->origin_ms[last] +
-					(double)route_part_ms(guidance->search, route->halves[last], route->end_along_m);
-	double at_ms =
-		guidance->origin_ms[index] + (double)route_part_ms(guidance->search, route->halves[index], along_m);
+	double end_ms =
+		guidance->origin_ms[last] + (double)route_part_ms(guidance->search, route->halves[last], route->end_along_m);
+	double at_ms = guidance->origin_ms[index] + (double)route_part_ms(guidance->search, route->halves[index], along_m);
 	*remaining_s = fmax(end_ms - at_ms, 0.0) * 1e-3;
 }
 
@@ -319,7 +318,8 @@ struct nav_step guidance_step_ahead(struct guidance *guidance, uint32_t index, d
 		return out;
 	double here = guidance->origin_m[index] + along_m;
 	uint32_t at = guidance->next_step;
-	/* A manoeuvre is done when the car is on the half-edge after its node; arriving is done when the route is cleared. */
+	/* A manoeuvre is done when the car is on the half-edge after its node; arriving is done when the route is cleared.
+	 */
 	while (at + 1 < guidance->step_count && guidance->steps[at].index <= index)
 		at++;
 	while (at > 0 && guidance->steps[at - 1].index > index)
@@ -336,7 +336,8 @@ struct nav_step guidance_step_ahead(struct guidance *guidance, uint32_t index, d
 	out.street = step->street;
 	out.from_half = half_of(guidance, arrive ? step->index : step->index - 1);
 	out.to_half = half_of(guidance, step->last);
-	struct dvec3 place = graph_at(guidance->graph, half_of(guidance, step->index), arrive ? route->end_along_m : 0.0).at_m;
+	struct dvec3 place =
+		graph_at(guidance->graph, half_of(guidance, step->index), arrive ? route->end_along_m : 0.0).at_m;
 	out.at_mm[0] = (int32_t)llrint(place.x * 1e3);
 	out.at_mm[1] = (int32_t)llrint(place.y * 1e3);
 	out.at_mm[2] = (int32_t)llrint(place.z * 1e3);

@@ -29,7 +29,7 @@ struct guidance {
 	const struct route *route;         /* NULL: no route */
 	struct guidance_step *steps;
 	uint32_t step_count, step_capacity;
-	double *origin_m;  /* by route index: distance of the half-edge's origin from the route's start; first one <= 0 */
+	double *origin_m;    /* by route index: distance of the half-edge's origin from the route's start; first one <= 0 */
 	uint32_t *origin_ms; /* time likewise, turns included */
 	uint32_t capacity;
 	uint32_t next_step; /* cursor */

@@ -7,8 +7,8 @@
 #define PARTICLES 384
 #define STEP_M 1.0
 #define STEP_RAD 0.06
-#define CHORD_M 5.0     /* the street's heading is that of a chord this far to both sides: a car rounds corners */
-#define DECIDE_M 8.0    /* before the end of a half-edge the particle chooses how to go on */
+#define CHORD_M 5.0  /* the street's heading is that of a chord this far to both sides: a car rounds corners */
+#define DECIDE_M 8.0 /* before the end of a half-edge the particle chooses how to go on */
 #define HEADING_SIGMA 0.12
 #define CORRELATION_M 5.0 /* residuals closer than this are not independent */
 #define OFFSET_CORRELATION_M 10.0
@@ -239,8 +239,8 @@ struct motion {
 	double distance_m, turn_rad, unknown_rad, dt_s;
 };
 
-static void propagate(struct match *match, const struct match_hints *hints, const struct motion *motion,
-	struct match_particle *particle)
+static void propagate(
+	struct match *match, const struct match_hints *hints, const struct motion *motion, struct match_particle *particle)
 {
 	double noise2 = 0.006 * fabs(motion->distance_m) + 2.0 * fabs(motion->turn_rad);
 	/* A driver on the inside of a curve travels less than the centre line. */
@@ -250,8 +250,7 @@ static void propagate(struct match *match, const struct match_hints *hints, cons
 		particle->along_m += motion->distance_m * particle->scale + inside + sqrt(noise2) * normal(&match->rng);
 	particle->offset_var += OFFSET_WALK * motion->dt_s + motion->unknown_rad * motion->unknown_rad;
 	cross_nodes(match, hints, particle);
-	if (particle->next == PKG_NONE &&
-		particle->along_m > graph_length_m(match->graph, particle->half) - DECIDE_M)
+	if (particle->next == PKG_NONE && particle->along_m > graph_length_m(match->graph, particle->half) - DECIDE_M)
 		particle->next = choose_next(match, hints, particle->half);
 }
 

@@ -23,9 +23,9 @@ struct match_config {
 
 /* What is known beside distance and heading; all optional. */
 struct match_hints {
-	int lamp;                  /* -1 left, +1 right, 0 none */
-	const uint32_t *route;     /* half-edges expected next, from the one being driven; NULL none */
-	uint32_t route_count;      /* the first few are looked at */
+	int lamp;              /* -1 left, +1 right, 0 none */
+	const uint32_t *route; /* half-edges expected next, from the one being driven; NULL none */
+	uint32_t route_count;  /* the first few are looked at */
 };
 
 struct match_particle {
@@ -34,7 +34,7 @@ struct match_particle {
 	double offset_rad, offset_var; /* true heading - reckoned heading */
 	double scale;                  /* of the travelled distance */
 	double log_weight;
-	double misfit;  /* squared heading residual over its variance, at most 16, of the last step */
+	double misfit; /* squared heading residual over its variance, at most 16, of the last step */
 };
 
 struct match {
@@ -46,8 +46,8 @@ struct match {
 	double pending_m, pending_rad, pending_s, pending_unknown_rad;
 	double since_gnss_m;
 	uint32_t gnss_far;
-	double misfit; /* smoothed over the last 20 m; above 8 the street does not fit */
-	double misfit_m;  /* travelled since the last placing, up to 1e6 */
+	double misfit;       /* smoothed over the last 20 m; above 8 the street does not fit */
+	double misfit_m;     /* travelled since the last placing, up to 1e6 */
 	double off_street_m; /* travelled since the street was lost */
 	double good_m;       /* fitting again for this long */
 
@@ -69,8 +69,7 @@ void match_place(struct match *match, uint32_t half, double along_m, double spre
 
 /* Starts somewhere near a place. With `heading_known` only half-edges within 60 degrees of the reckoned heading count,
  * if there are any. Returns false, changing nothing, when no street is within `radius_m`. */
-bool match_place_near(
-	struct match *match, struct dvec2 at_m, double radius_m, bool heading_known, int32_t heading_bam);
+bool match_place_near(struct match *match, struct dvec2 at_m, double radius_m, bool heading_known, int32_t heading_bam);
 
 /* One step of dead reckoning; `reckon` has taken it already. `turn_known` is false when no signal told the turn. */
 void match_update(struct match *match, const struct reckon *reckon, const struct reckon_step *step, bool turn_known,

@@ -1,20 +1,20 @@
-/* Puts the room together: vehicle -> reckon -> match -> route -> view. Cost an update: constant but for the bounded step
- * of a route search; a few thousand half-edges at most. */
+/* Puts the room together: vehicle -> reckon -> match -> route -> view. Cost an update: constant but for the bounded
+ * step of a route search; a few thousand half-edges at most. */
 #include "nav/nav.h"
 
 #include <errno.h>
 #include <string.h>
 
-#include "platform/base/clock.h"
+#include "nav/vehicle.h"
 
 #define SETTLE_PER_UPDATE 1500
 #define START_RADIUS_M 150.0
 #define STOP_RADIUS_M 1000.0
-#define PULL_M 18.0           /* the shown position follows the matched one over this distance */
-#define JUMP_M 40.0           /* farther away it is put there at once */
-#define OFF_ROUTE_M 30.0      /* beside the route for this long: look for a new one */
-#define RETRY_M 80.0          /* after a search that found nothing */
-#define WINDOW_AHEAD 32       /* half-edges of the route in which the car is looked for */
+#define PULL_M 18.0      /* the shown position follows the matched one over this distance */
+#define JUMP_M 40.0      /* farther away it is put there at once */
+#define OFF_ROUTE_M 30.0 /* beside the route for this long: look for a new one */
+#define RETRY_M 80.0     /* after a search that found nothing */
+#define WINDOW_AHEAD 32  /* half-edges of the route in which the car is looked for */
 #define WINDOW_BEHIND 4
 #define ARRIVED_M 20.0
 #define HEADING_SIGMA 0.03
@@ -25,8 +25,8 @@ size_t nav_bytes(const struct pkg_graph *net, const struct nav_config *config)
 	size_t route = config->route_capacity ? config->route_capacity : (size_t)net->half_count + ROUTE_STOPS_MAX + 1;
 	size_t particles = config->particles ? config->particles : 1024;
 	size_t cells = 262144 * 2 + (size_t)net->point_count * 4;
-	return 4096 + (size_t)net->point_count * 4 + (size_t)net->half_count * 4 + cells * 4 +
-		   (size_t)net->edge_count * 8 + (size_t)net->half_count * (sizeof(struct route_label) + 8) +
+	return 4096 + (size_t)net->point_count * 4 + (size_t)net->half_count * 4 + cells * 4 + (size_t)net->edge_count * 8 +
+		   (size_t)net->half_count * (sizeof(struct route_label) + 8) +
 		   route * (4 + 4 + 8 + 4 + sizeof(struct guidance_step)) + particles * 2 * sizeof(struct match_particle);
 }
 
@@ -67,8 +67,8 @@ static struct dvec2 lane_point(struct nav *nav, struct graph_pose *pose)
 {
 	*pose = graph_at(&nav->graph, nav->match.half, nav->match.along_m);
 	double offset = graph_lane_offset_m(&nav->graph, nav->match.half, likely_lane(nav));
-	return (struct dvec2){ pose->at_m.x + offset * cos(pose->heading_rad),
-		pose->at_m.y - offset * sin(pose->heading_rad) };
+	return (
+		struct dvec2){ pose->at_m.x + offset * cos(pose->heading_rad), pose->at_m.y - offset * sin(pose->heading_rad) };
 }
 
 /* Puts the shown position onto the matched lane. */
@@ -131,16 +131,16 @@ bool nav_set_start_half(struct nav *nav, uint32_t half, double along_m)
 /* The first fix says where we are, later ones help the matching. */
 static void take_fix(struct nav *nav, const struct nav_input *input)
 {
-	if (!input->fix_valid || (nav->fix_used && input->fix_ns == nav->fix_ns) || !isfinite(input->lat_deg) ||
+	if (!input->fix_valid || (nav->fix_used && input->fix_number == nav->fix_number) || !isfinite(input->lat_deg) ||
 		!isfinite(input->lon_deg) || fabs(input->lat_deg) > 90.0)
 		return;
 	nav->fix_used = true;
-	nav->fix_ns = input->fix_ns;
+	nav->fix_number = input->fix_number;
 	struct dvec2 at = geo_to_plane(&nav->pkg->frame, (struct geo_point){ input->lat_deg, input->lon_deg });
 	double sigma = input->fix_sigma_m > 0.0 ? input->fix_sigma_m : 5.0;
 	if (!nav->match.located) {
-		if (match_place_near(&nav->match, at, fmin(15.0 + 3.0 * sigma, 60.0), nav->heading_known,
-				nav->reckon.heading_bam))
+		if (match_place_near(
+				&nav->match, at, fmin(15.0 + 3.0 * sigma, 60.0), nav->heading_known, nav->reckon.heading_bam))
 			placed(nav, true);
 		return;
 	}
@@ -156,12 +156,16 @@ static void take_fix(struct nav *nav, const struct nav_input *input)
 		place_on_lane(nav, false);
 }
 
+/* A heading matters until the car has moved: afterwards the streets know better. */
 static void take_heading(struct nav *nav, const struct nav_input *input)
 {
-	if (!input->heading_valid || !isfinite(input->heading_rad) || nav->match.located)
+	if (!input->heading_valid || !isfinite(input->heading_rad) || nav->heading_known)
+		return;
+	if (nav->match.located && nav->reckon.travelled_m > 3.0)
 		return;
 	nav->reckon.heading_bam = bam_from_rad(input->heading_rad);
 	nav->heading_known = true;
+	nav->match.located = nav->fix_used = false; /* the next fix finds the street's direction too */
 }
 
 /* The shown pose follows the matched one gently while the car moves; not at all while it stands. */
@@ -242,20 +246,6 @@ void nav_clear_destination(struct nav *nav)
 {
 	nav->stop_count = 0;
 	forget_route(nav);
-}
-
-/* The car itself asks for a route; a list is taken once, when it is new. */
-static void take_stops(struct nav *nav, const struct nav_input *input)
-{
-	uint32_t count = input->stop_count < ROUTE_STOPS_MAX ? input->stop_count : ROUTE_STOPS_MAX;
-	bool same = count == nav->asked_count;
-	for (uint32_t i = 0; same && i < count; i++)
-		same = input->stops[i].lat_deg == nav->asked[i].lat_deg && input->stops[i].lon_deg == nav->asked[i].lon_deg;
-	if (same || !count)
-		return;
-	nav->asked_count = count;
-	memcpy(nav->asked, input->stops, count * sizeof(*input->stops));
-	nav_set_stops(nav, input->stops, count);
 }
 
 static void begin_search(struct nav *nav)
@@ -358,12 +348,10 @@ static void follow_route(struct nav *nav, const struct reckon_step *step, double
 
 void nav_advance(struct nav *nav, const struct nav_input *input, int64_t now_ns)
 {
-	take_stops(nav, input);
 	struct reckon_step step = reckon_update(&nav->reckon, &input->motion, now_ns);
 	take_heading(nav, input);
-	bool turn_known = input->motion.yaw_valid || input->motion.steering_valid;
 	struct match_hints hints = hints_for(nav, input);
-	match_update(&nav->match, &nav->reckon, &step, turn_known, &hints);
+	match_update(&nav->match, &nav->reckon, &step, input->motion.yaw_valid, &hints);
 	take_fix(nav, input);
 	pull(nav, &step);
 	follow_route(nav, &step, input->motion.speed_valid ? input->motion.speed_mps : 1.0);
@@ -429,4 +417,50 @@ void nav_snapshot(struct nav *nav, struct nav_view *out)
 	out->time_ns = nav->reckon.time_ns;
 	view_place(nav, out);
 	view_route(nav, out);
+}
+
+/* --- the car's signals --- */
+
+static struct nav_input input_from(const struct vehicle_state *vehicle)
+{
+	return (struct nav_input){
+		.motion = {
+			.speed_valid = vehicle->speed_usable,
+			.speed_mps = vehicle->speed_mps,
+			.yaw_valid = vehicle->yaw_source != VEHICLE_YAW_NONE,
+			.yaw_biased = vehicle->yaw_source == VEHICLE_YAW_SENSOR,
+			.yaw_rate_rps = vehicle->yaw_rate_rps,
+		},
+		.gear = vehicle->gear,
+		.turn_lamp = vehicle->turn_lamp,
+		.heading_valid = vehicle->heading_usable,
+		.heading_rad = vehicle->heading_rad,
+		.fix_valid = vehicle->has_fix,
+		.fix_number = vehicle->fixes,
+		.lat_deg = vehicle->lat_deg,
+		.lon_deg = vehicle->lon_deg,
+	};
+}
+
+static void view_inputs(const struct vehicle_state *vehicle, struct nav_view *out)
+{
+	out->gear = vehicle->gear;
+	out->turn_lamp = vehicle->turn_lamp;
+	out->ambient = vehicle->ambient;
+	for (int i = 0; i < NAV_SIGNAL_COUNT; i++) {
+		out->signal[i] = vehicle->state[i];
+		out->signal_age_ns[i] = vehicle->age_ns[i];
+	}
+}
+
+void nav_update(
+	struct nav *nav, const struct vehicle_state *vehicle, int64_t now_ns, int64_t wall_ns, struct nav_view *out)
+{
+	struct nav_input input = input_from(vehicle);
+	nav_advance(nav, &input, now_ns);
+	if (!out)
+		return;
+	nav_snapshot(nav, out);
+	view_inputs(vehicle, out);
+	out->wall_ns = wall_ns;
 }

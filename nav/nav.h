@@ -27,20 +27,18 @@ struct nav_input {
 	bool heading_valid; /* course of a receiver or a compass */
 	double heading_rad;
 	bool fix_valid; /* position of a receiver */
-	int64_t fix_ns; /* when it came: a fix is used once */
+	uint32_t fix_number; /* another number is a new fix; each is used once */
 	double lat_deg, lon_deg;
-	double fix_sigma_m;     /* 0 unknown */
-	uint32_t stop_count;    /* the car asks for this route; 0: it says nothing */
-	struct geo_point stops[ROUTE_STOPS_MAX];
+	double fix_sigma_m; /* 0 unknown */
 };
 
 struct nav_config {
 	struct reckon_config reckon;
-	uint32_t particles;        /* 0: default of match.h */
-	uint64_t seed;             /* of the particles; the same seed, log and package give the same views */
-	uint32_t route_capacity;   /* 0: default of route.h */
+	uint32_t particles;         /* 0: default of match.h */
+	uint64_t seed;              /* of the particles; the same seed, log and package give the same views */
+	uint32_t route_capacity;    /* 0: default of route.h */
 	uint32_t settle_per_update; /* half-edges a route search may settle in one update; 0: 1500 */
-	bool ignore_gnss;          /* for tests: fixes are used to find the start only */
+	bool ignore_gnss;           /* for tests: fixes are used to find the start only */
 };
 
 struct nav {
@@ -56,17 +54,15 @@ struct nav {
 	/* where to go; stop_count 0: free drive */
 	struct route_place stops[ROUTE_STOPS_MAX];
 	uint32_t stop_count, stops_reached;
-	bool routed;            /* `route` is valid */
-	uint32_t route_at;      /* index of the half-edge being driven */
-	double off_route_m;     /* driven beside the route */
+	bool routed;        /* `route` is valid */
+	uint32_t route_at;  /* index of the half-edge being driven */
+	double off_route_m; /* driven beside the route */
 	bool searching;
-	double failed_m;        /* driven since a search found nothing; negative: none did */
+	double failed_m; /* driven since a search found nothing; negative: none did */
 	uint32_t reroutes;
-	uint32_t asked_count; /* stops the car asked for last */
-	struct geo_point asked[ROUTE_STOPS_MAX];
 
 	double learn_s, learn_rad; /* heading corrections since the last lesson in bias */
-	int64_t fix_ns;
+	uint32_t fix_number;
 	bool fix_used;
 	bool heading_known;
 	double height_m;
@@ -78,8 +74,8 @@ size_t nav_bytes(const struct pkg_graph *net, const struct nav_config *config);
 /* `pkg` is borrowed and must be open for as long as `nav` is used. Returns 0 or -ENOMEM. */
 int nav_init(struct nav *nav, struct arena *arena, const struct pkg *pkg, const struct nav_config *config);
 
-/* The car stands at a place, facing `heading_deg` (clockwise from north; NAN not known). Returns false when no street is
- * within 150 m. */
+/* The car stands at a place, facing `heading_deg` (clockwise from north; NAN not known). Returns false when no street
+ * is within 150 m. */
 bool nav_set_start(struct nav *nav, double lat_deg, double lon_deg, double heading_deg);
 
 /* The same by half-edge. Returns false when there is no such half-edge. */
@@ -103,8 +99,8 @@ void nav_clear_destination(struct nav *nav);
 void nav_update(
 	struct nav *nav, const struct vehicle_state *vehicle, int64_t now_ns, int64_t wall_ns, struct nav_view *out);
 
-/* The two halves of it, for tools and tests without a bus: nav_snapshot() fills all but the group of inputs, which stays
- * as it is. */
+/* The two halves of it, for tools and tests without a bus: nav_snapshot() fills all but the group of inputs, which
+ * stays as it is. */
 void nav_advance(struct nav *nav, const struct nav_input *input, int64_t now_ns);
 void nav_snapshot(struct nav *nav, struct nav_view *out);
 

@@ -16,12 +16,6 @@
 void reckon_init(struct reckon *reckon, const struct reckon_config *config)
 {
 	*reckon = (struct reckon){ .config = *config, .speed_scale = 1.0 };
-	if (!(reckon->config.wheelbase_m > 0.0))
-		reckon->config.wheelbase_m = 2.7;
-	if (!(reckon->config.steering_ratio > 0.0))
-		reckon->config.steering_ratio = 15.5;
-	if (reckon->config.yaw_sign >= 0.0)
-		reckon->config.yaw_sign = 1.0;
 	if (reckon->config.gap_ns <= 0)
 		reckon->config.gap_ns = 12 * NS_PER_S;
 	reckon->scale_var = 0.02 * 0.02;
@@ -60,16 +54,14 @@ void reckon_turn(struct reckon *reckon, double rad)
 
 static double yaw_of(const struct reckon *reckon, const struct reckon_input *input)
 {
-	if (input->yaw_valid)
-		return reckon->config.yaw_sign * input->yaw_rate_rps - reckon->yaw_bias_rps;
-	if (!input->steering_valid || !input->speed_valid)
+	if (!input->yaw_valid || !isfinite(input->yaw_rate_rps))
 		return 0.0;
-	return input->speed_mps * tan(input->steering_rad / reckon->config.steering_ratio) / reckon->config.wheelbase_m;
+	return input->yaw_rate_rps - (input->yaw_biased ? reckon->yaw_bias_rps : 0.0);
 }
 
 static double speed_of(const struct reckon *reckon, const struct reckon_input *input)
 {
-	return input->speed_valid ? input->speed_mps * reckon->speed_scale : 0.0;
+	return input->speed_valid && isfinite(input->speed_mps) ? input->speed_mps * reckon->speed_scale : 0.0;
 }
 
 static bool stands(const struct reckon_input *input)
@@ -87,8 +79,8 @@ static void kalman(double *value, double *var, double measured, double measured_
 
 static void learn_bias_standing(struct reckon *reckon, const struct reckon_input *input, double dt_s)
 {
-	double said = reckon->config.yaw_sign * input->yaw_rate_rps;
-	if (!input->yaw_valid || fabs(said) > BIAS_MAX_RPS || reckon->still_s < STILL_SETTLE_S || dt_s > 1.0)
+	double said = input->yaw_rate_rps;
+	if (!input->yaw_valid || !input->yaw_biased || !(fabs(said) <= BIAS_MAX_RPS) || reckon->still_s < STILL_SETTLE_S || dt_s > 1.0)
 		return;
 	kalman(&reckon->yaw_bias_rps, &reckon->bias_var, said, BIAS_NOISE_RPS * BIAS_NOISE_RPS / dt_s);
 }

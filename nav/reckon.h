@@ -1,5 +1,5 @@
 /*
- * Dead reckoning: position from speed and yaw rate (or steering angle) alone, in the city frame. Position is int64 mm
+ * Dead reckoning: position from speed and yaw rate alone, in the city frame. Position is int64 mm
  * with the fraction kept apart, heading a binary angle, so nothing loses precision however far or long the drive is.
  *
  * The yaw rate's bias is learned while the car stands, and slowly from heading references while it drives; the speed's
@@ -12,18 +12,15 @@
 #include <stdint.h>
 
 struct reckon_config {
-	double wheelbase_m;    /* for steering without a yaw rate; 0: 2.7 */
-	double steering_ratio; /* steering wheel to road wheel; 0: 15.5 */
-	double yaw_sign;       /* -1 for sensors that count counter-clockwise; 0: +1 */
-	int64_t gap_ns;        /* the car is taken to go on as before over a silence up to this; 0: 12 s */
+	int64_t gap_ns; /* the car is taken to go on as before over a silence up to this; 0: 12 s */
 };
 
-/* What the car says now. Values are taken as the mean of this and the last update between the two. */
+/* What the car says now. Between updates values are taken to change linearly. */
 struct reckon_input {
-	bool speed_valid, yaw_valid, steering_valid;
-	double speed_mps;     /* negative backwards */
-	double yaw_rate_rps;  /* clockwise positive */
-	double steering_rad;  /* steering wheel, right positive; used when yaw_valid is false */
+	bool speed_valid, yaw_valid;
+	bool yaw_biased;     /* from a gyroscope, whose bias is to be learned; false: from steering or wheels */
+	double speed_mps;    /* negative backwards */
+	double yaw_rate_rps; /* clockwise positive */
 };
 
 /* What one update did. */
@@ -44,7 +41,7 @@ struct reckon {
 	int64_t time_ns;
 	bool started;
 	struct reckon_input last;
-	double speed_scale;  /* true speed = speed_scale * said speed */
+	double speed_scale; /* true speed = speed_scale * said speed */
 	double scale_var;
 	double yaw_bias_rps; /* true rate = said rate - yaw_bias_rps */
 	double bias_var;     /* (rad/s)^2 */

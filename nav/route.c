@@ -320,8 +320,7 @@ static bool append_leg(struct route_search *search)
 	if (!search->leg) {
 		route->halves[0] = start_half(search, mark);
 		double length = graph_length_m(search->graph, route->halves[0]);
-		route->start_along_m =
-			mark == PARENT_START ? search->leg_start.along_m : length - search->leg_start.along_m;
+		route->start_along_m = mark == PARENT_START ? search->leg_start.along_m : length - search->leg_start.along_m;
 	}
 	uint32_t at = base + steps;
 	for (uint32_t h = goal_parent; !is_mark(h); h = search->labels[h].parent)

@@ -1,7 +1,8 @@
 /*
- * The quickest route over the street graph: A* over half-edges (Hart, Nilsson, Raphael 1968; half-edges as states so that
- * turn restrictions and turn costs are exact, Winter 2002 "Modeling costs of turns in route planning"). Costs are whole
- * milliseconds, so that the same graph gives the same route on every machine; ties are broken by half-edge number.
+ * The quickest route over the street graph: A* over half-edges (Hart, Nilsson, Raphael 1968; half-edges as states so
+ * that turn restrictions and turn costs are exact, Winter 2002 "Modeling costs of turns in route planning"). Costs are
+ * whole milliseconds, so that the same graph gives the same route on every machine; ties are broken by half-edge
+ * number.
  *
  * Memory: graph-sized arrays from the arena at route_init(), nothing later. Work: route_begin() starts a search,
  * route_step() does a bounded part of it, so that a frame is never held up.
