@@ -1,7 +1,7 @@
 /*
  * The route that the car itself asks for, from CAN: message DESTINATION of board/profiles/boulevard.dbc (signals
- * StopCount, StopIndex, Latitude, Longitude), one stop a frame in turn, so that a recorded drive replays with its route.
- * A list counts when every stop of it has come; StopCount 0 clears it.
+ * StopCount, StopIndex, Latitude, Longitude), one stop a frame in turn, so that a recorded drive replays with its
+ * route. A list counts when every stop of it has come; StopCount 0 clears it.
  */
 #ifndef BLVD_NAV_DESTINATION_H
 #define BLVD_NAV_DESTINATION_H
@@ -14,7 +14,8 @@
 #define DESTINATION_STOPS_MAX 8
 
 struct destination {
-	const struct dbc_signal *count_signal, *index_signal, *lat_signal, *lon_signal; /* NULL: the car has no such message */
+	const struct dbc_signal *count_signal, *index_signal, *lat_signal,
+		*lon_signal;                               /* NULL: the car has no such message */
 	struct geo_point stops[DESTINATION_STOPS_MAX]; /* the list in force */
 	uint32_t stop_count;
 	struct geo_point heard[DESTINATION_STOPS_MAX]; /* the list being heard */

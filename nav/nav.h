@@ -26,7 +26,7 @@ struct nav_input {
 	enum nav_turn_lamp turn_lamp;
 	bool heading_valid; /* course of a receiver or a compass */
 	double heading_rad;
-	bool fix_valid; /* position of a receiver */
+	bool fix_valid;      /* position of a receiver */
 	uint32_t fix_number; /* another number is a new fix; each is used once */
 	double lat_deg, lon_deg;
 	double fix_sigma_m; /* 0 unknown */

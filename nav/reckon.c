@@ -80,7 +80,8 @@ static void kalman(double *value, double *var, double measured, double measured_
 static void learn_bias_standing(struct reckon *reckon, const struct reckon_input *input, double dt_s)
 {
 	double said = input->yaw_rate_rps;
-	if (!input->yaw_valid || !input->yaw_biased || !(fabs(said) <= BIAS_MAX_RPS) || reckon->still_s < STILL_SETTLE_S || dt_s > 1.0)
+	if (!input->yaw_valid || !input->yaw_biased || !(fabs(said) <= BIAS_MAX_RPS) || reckon->still_s < STILL_SETTLE_S ||
+		dt_s > 1.0)
 		return;
 	kalman(&reckon->yaw_bias_rps, &reckon->bias_var, said, BIAS_NOISE_RPS * BIAS_NOISE_RPS / dt_s);
 }

@@ -13,6 +13,7 @@ static const struct command {
 } commands[] = {
 	{ "bake", cmd_bake, "map data into a city package" },
 	{ "compare", cmd_compare, "how two pictures differ, as JSON" },
+	{ "drive", cmd_drive, "a driven route as a CAN log" },
 	{ "inspect", cmd_inspect, "what is in a package" },
 	{ "verify", cmd_verify, "every check a package must pass" },
 	{ NULL, NULL, NULL },

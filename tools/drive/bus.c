@@ -30,8 +30,8 @@ struct sender {
 	int64_t wall_ns;
 	struct rng rng;
 	double speed_error, yaw_bias_rps;
-	double wander[2];    /* slow error of the fixes, m */
-	double dropout_s;    /* no fixes until then */
+	double wander[2]; /* slow error of the fixes, m */
+	double dropout_s; /* no fixes until then */
 	double next_dropout_s;
 	unsigned counter[3];
 	double last_steering_deg;
@@ -338,8 +338,7 @@ double ambient_light(struct geo_point at, int64_t wall_ns)
 	double right = atan2(cos(tilt) * sin(longitude), cos(longitude)), declination = asin(sin(tilt) * sin(longitude));
 	double sidereal = fmod(280.46062 + 360.98564737 * days + at.lon_deg, 360.0) / DEG;
 	double hour = sidereal - right, lat = at.lat_deg / DEG;
-	double height =
-		asin(sin(lat) * sin(declination) + cos(lat) * cos(declination) * cos(hour)) * DEG;
+	double height = asin(sin(lat) * sin(declination) + cos(lat) * cos(declination) * cos(hour)) * DEG;
 	double t = fmin(fmax((height + 7.0) / 22.0, 0.0), 1.0);
 	return 0.01 + 0.99 * t * t * (3.0 - 2.0 * t);
 }

@@ -1,4 +1,5 @@
-/* Where the car goes: the stops asked for, or a varied tour by the seed, and the route as the navigator will find it. */
+/* Where the car goes: the stops asked for, or a varied tour by the seed, and the route as the navigator will find it.
+ */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,14 +23,14 @@ int drive_init(struct drive *drive, struct arena *arena, const struct pkg *pkg, 
 {
 	*drive = (struct drive){ .pkg = pkg, .options = options };
 	if (graph_init(&drive->graph, arena, &pkg->graph, pkg->meta->right_hand_traffic) ||
-		route_init(&drive->search, arena, &drive->graph, 0) ||
-		guidance_init(&drive->guidance, arena, &drive->search))
+		route_init(&drive->search, arena, &drive->graph, 0) || guidance_init(&drive->guidance, arena, &drive->search))
 		return -ENOMEM;
 	return 0;
 }
 
 /* What a place becomes on its way over the bus: whole microdegrees, snapped again by the navigator. */
-static bool as_heard(const struct drive *drive, struct geo_point wanted, struct route_place *place, struct geo_point *at)
+static bool as_heard(
+	const struct drive *drive, struct geo_point wanted, struct route_place *place, struct geo_point *at)
 {
 	at->lat_deg = rint(wanted.lat_deg * 1e6) * 1e-6;
 	at->lon_deg = rint(remainder(wanted.lon_deg, 360.0) * 1e6) * 1e-6;
@@ -42,8 +43,8 @@ static struct geo_point geo_of(const struct drive *drive, struct route_place pla
 	return geo_from_plane(&drive->pkg->frame, (struct dvec2){ at.x, at.y });
 }
 
-static enum route_state find(struct drive *drive, struct route_place start, const struct route_place *stops,
-	uint32_t count)
+static enum route_state find(
+	struct drive *drive, struct route_place start, const struct route_place *stops, uint32_t count)
 {
 	struct route_request request = { .start = start, .stop_count = count };
 	memcpy(request.stops, stops, count * sizeof(*stops));
@@ -91,7 +92,8 @@ static bool random_place(const struct drive *drive, struct rng *rng, struct rout
 
 static double distance_between(const struct drive *drive, struct route_place a, struct route_place b)
 {
-	struct dvec3 p = graph_at(&drive->graph, a.half, a.along_m).at_m, q = graph_at(&drive->graph, b.half, b.along_m).at_m;
+	struct dvec3 p = graph_at(&drive->graph, a.half, a.along_m).at_m,
+				 q = graph_at(&drive->graph, b.half, b.along_m).at_m;
 	return hypot(p.x - q.x, p.y - q.y);
 }
 

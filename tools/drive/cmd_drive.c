@@ -39,7 +39,8 @@ static const struct argp_option option_list[] = {
 	{ "start", KEY_START, "LAT,LON", 0, "start there; default: the seed chooses", 0 },
 	{ "seed", KEY_SEED, "N", 0, "chooses the tour, signals and errors; default 1", 0 },
 	{ "minutes", KEY_MINUTES, "M", 0, "end after M minutes; default 5 without --via", 0 },
-	{ "gnss", KEY_GNSS, NULL, 0, "satellite fixes all along, with noise and gaps; default: before setting off alone", 0 },
+	{ "gnss", KEY_GNSS, NULL, 0, "satellite fixes all along, with noise and gaps; default: before setting off alone",
+		0 },
 	{ "date", KEY_DATE, "YYYY-MM-DD", 0, "default 2024-06-21", 0 },
 	{ "time", KEY_TIME, "HH:MM", 0, "local time at the start; default 10:00", 0 },
 	{ "speed-error", KEY_SPEED_ERROR, "PERCENT", 0, "the speed signal says that much more; default: the seed's", 0 },
@@ -143,8 +144,11 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
 
 static int64_t start_wall_ns(const struct arguments *arguments, const struct pkg *pkg)
 {
-	struct tm tm = { .tm_year = arguments->year - 1900, .tm_mon = arguments->month - 1, .tm_mday = arguments->day,
-		.tm_hour = arguments->hour, .tm_min = arguments->minute };
+	struct tm tm = { .tm_year = arguments->year - 1900,
+		.tm_mon = arguments->month - 1,
+		.tm_mday = arguments->day,
+		.tm_hour = arguments->hour,
+		.tm_min = arguments->minute };
 	return (int64_t)timegm(&tm) * INT64_C(1000000000) - (int32_t)pkg->meta->utc_offset_minutes * NS_PER_MINUTE;
 }
 
@@ -272,7 +276,10 @@ int cmd_drive(int argc, char **argv)
 		"Drives a route through a city and writes what the car's bus would say, as a candump log.", NULL, NULL, NULL };
 	struct arguments arguments = {
 		.drive = { .seed = 1, .speed_error = NAN, .yaw_bias_rps = NAN },
-		.year = 2024, .month = 6, .day = 21, .hour = 10,
+		.year = 2024,
+		.month = 6,
+		.day = 21,
+		.hour = 10,
 	};
 	if (argp_parse(&argp, argc, argv, 0, NULL, &arguments))
 		return EXIT_USAGE;

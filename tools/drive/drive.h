@@ -24,10 +24,10 @@ struct drive_options {
 	bool has_start;
 	struct geo_point start;
 	struct geo_point via[DESTINATION_STOPS_MAX];
-	uint32_t via_count; /* 0: the seed chooses */
-	bool gnss;          /* all along, not in the first seconds alone */
-	int64_t wall_ns;    /* since 1970 UTC at the start */
-	double speed_error; /* said speed = true speed * (1 + speed_error); NAN: up to 0.5 % by the seed */
+	uint32_t via_count;  /* 0: the seed chooses */
+	bool gnss;           /* all along, not in the first seconds alone */
+	int64_t wall_ns;     /* since 1970 UTC at the start */
+	double speed_error;  /* said speed = true speed * (1 + speed_error); NAN: up to 0.5 % by the seed */
 	double yaw_bias_rps; /* NAN: up to 0.1 deg/s by the seed */
 };
 
@@ -60,7 +60,7 @@ int drive_cut(struct drive *drive, uint32_t route_index, double along_m);
 /* The line, sampled every DRIVE_STEP_M of its own length. */
 #define DRIVE_STEP_M 0.25
 struct drive_point {
-	struct dvec3 at; /* rear axle, city frame, m */
+	struct dvec3 at;    /* rear axle, city frame, m */
 	double heading_rad; /* not wrapped: grows through full turns */
 	double curvature;   /* 1/m, clockwise positive */
 	uint32_t index;     /* of the route */
@@ -79,9 +79,9 @@ struct drive_state {
 	double heading_rad, speed_mps, accel_mps2, yaw_rate_rps, curvature, odometer_m;
 	uint32_t half;
 	double along_m;
-	int lamp;      /* -1 left, 1 right */
-	bool parked;   /* gear P */
-	bool driving;  /* after the first standing, before the last */
+	int lamp;     /* -1 left, 1 right */
+	bool parked;  /* gear P */
+	bool driving; /* after the first standing, before the last */
 };
 
 struct drive_motion {

@@ -27,7 +27,8 @@ static void limit_by_street(const struct drive *drive, const struct drive_path *
 		const struct pkg_edge *edge = graph_edge(&drive->graph, drive->route.halves[point->index]);
 		double kmh = edge->speed_kmh ? edge->speed_kmh : 30.0;
 		/* The same street is always driven alike: 86 to 98 % of the limit. */
-		uint64_t key = hash_u64(drive->options->seed * 977 + (edge->name ? edge->name : drive->route.halves[point->index]));
+		uint64_t key =
+			hash_u64(drive->options->seed * 977 + (edge->name ? edge->name : drive->route.halves[point->index]));
 		limit[i] = kmh / 3.6 * (0.86 + 0.12 * (double)(key >> 40) / 16777216.0);
 		double curve = fabs(point->curvature);
 		if (curve > 1e-4)

@@ -6,10 +6,10 @@
 #include "tools/drive/drive.h"
 
 #define SIMPLIFY_M 0.25
-#define TURN_RAD 0.45       /* sharper than this the lanes' lines are made to meet */
-#define BLEND_M 9.0         /* a change of lane offset takes this much on both sides of a node */
-#define SMOOTH_M 1.4        /* sigma */
-#define SMOOTH_REACH 18     /* samples to both sides */
+#define TURN_RAD 0.45   /* sharper than this the lanes' lines are made to meet */
+#define BLEND_M 9.0     /* a change of lane offset takes this much on both sides of a node */
+#define SMOOTH_M 1.4    /* sigma */
+#define SMOOTH_REACH 18 /* samples to both sides */
 #define LOOK_AHEAD_M 7.0
 #define LANE_TURN_M 150.0
 
