@@ -101,7 +101,7 @@ static void check_place(const char *data, const struct place *place)
 		100.0 * grade);
 	assert_true(connected >= place->least_connected);
 	if (!place->terrain)
-		assert_true(grade < 2.0 * GRAPH_GRADE);
+		assert_true(grade < 2.5 * GRAPH_GRADE);
 	heights_infer(&city);
 	blocks_assign(&city, &view);
 	print_message("  %zu buildings, in street %llu + %llu, street through %llu + %llu, over faults %llu + %llu\n",

@@ -25,6 +25,20 @@ bool heights_is_structure(const struct heights *heights, uint32_t segment)
 	return way->bridge || way->tunnel;
 }
 
+/* Three or more streets, none of them a bridge, a tunnel or a mere driveway. */
+static bool is_junction(const struct heights *heights, uint32_t vertex)
+{
+	uint32_t streets = 0;
+	for (uint32_t i = heights->stars.first[vertex]; i < heights->stars.first[vertex + 1]; i++) {
+		uint32_t segment = heights->stars.segments[i];
+		if (heights_is_structure(heights, segment))
+			return false;
+		streets +=
+			heights->net->city->ways.items[heights->net->segments.items[segment].way].street_class < PKG_STREET_SERVICE;
+	}
+	return streets > 2;
+}
+
 void heights_init(struct heights *heights, struct net *net, unsigned kind)
 {
 	size_t count = net->vertices.count;
@@ -36,12 +50,14 @@ void heights_init(struct heights *heights, struct net *net, unsigned kind)
 	heights->down = zeros(count, sizeof(double));
 	heights->portal = zeros(count, sizeof(double));
 	heights->pinned = zeros(count, sizeof(bool));
+	heights->junction = zeros(count, sizeof(bool));
 	heights->on_ramp = zeros(net->segments.count, sizeof(bool));
 	heights->search = ramp_search_new(count);
 	for (size_t v = 0; v < count; v++) {
 		const struct net_vertex *at = &net->vertices.items[v];
 		heights->ground[v] = city_ground(net->city, (struct dvec2){ at->x / 1000.0, at->y / 1000.0 });
 		heights->base[v] = heights->ground[v];
+		heights->junction[v] = is_junction(heights, (uint32_t)v);
 	}
 }
 
@@ -54,6 +70,7 @@ void heights_finish(struct heights *heights)
 	array_free(heights->down);
 	array_free(heights->portal);
 	array_free(heights->pinned);
+	array_free(heights->junction);
 	array_free(heights->on_ramp);
 	ramp_search_free(heights->search);
 	*heights = (struct heights){ 0 };

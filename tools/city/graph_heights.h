@@ -15,16 +15,17 @@ struct heights {
 	double *ground, *base, *up, *down; /* by vertex, m; down <= 0 */
 	double *portal; /* by vertex: way along bridges and tunnels to the nearest end of them; HUGE_VAL on the ground */
 	bool *pinned;   /* by vertex: base is final (a street's, seen from other ways) */
+	bool *junction; /* by vertex: streets meet on the ground; better left where it is */
 	bool *on_ramp;  /* by segment: lifted or lowered */
 	struct ramp_search *search;
 };
 
 struct ramp {
 	uint32_t segment;
-	double t;        /* place on it, 0 to 1 */
-	double height_m; /* negative: dip */
-	double flat_m;   /* full height this far to both sides */
-	double grade;
+	double t;               /* place on it, 0 to 1 */
+	double height_m;        /* negative: dip */
+	double flat_m;          /* full height this far to both sides */
+	double grade, steepest; /* wanted, and where it has to end before a junction */
 };
 
 void heights_init(struct heights *heights, struct net *net, unsigned kind);
@@ -41,18 +42,22 @@ bool heights_is_structure(const struct heights *heights, uint32_t segment);
 void decks_lay(struct heights *heights);
 
 /* Raises up (or lowers down) along all ways that are connected, level for flat_m, then in an S as steep as `grade` in
- * its middle. Of overlapping ramps the higher counts. Shorter, so steeper, where a pinned vertex is near. */
+ * its middle. Of overlapping ramps the higher counts. Ends before the nearest junction if it need not be steeper than
+ * `steepest` for that, and before the nearest pinned vertex at any rate. */
 struct ramp_search *ramp_search_new(size_t vertex_count);
 void ramp_search_free(struct ramp_search *search);
 void ramp_add(struct heights *heights, const struct ramp *ramp);
 /* Distances from all vertices where `distance` is 0, over structures only; HUGE_VAL where not reached. */
 void ramp_spread(struct ramp_search *search, const struct heights *heights, double *distance);
 
-/* 0 at x <= 0, 1 at x >= 1, level at both. */
-static inline double smooth_step(double x)
+/* 0 at x <= 0, 1 at x >= 1; level at both, straight in between but for a parabola of EASE at each end. */
+#define EASE 0.25
+#define EASE_STEEPEST (1.0 / (1.0 - EASE))
+static inline double ease(double x)
 {
-	double t = x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
-	return t * t * (3.0 - 2.0 * t);
+	double t = x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x, far = t > 0.5 ? 1.0 - t : t;
+	double rise = far < EASE ? far * far / (2.0 * EASE) : far - EASE / 2.0;
+	return t > 0.5 ? 1.0 - rise * EASE_STEEPEST : rise * EASE_STEEPEST;
 }
 
 #endif

@@ -24,7 +24,8 @@ struct net_segment {
 	int8_t level;
 	bool drivable, forward, backward;
 	bool off_plane;
-	bool fresh; /* not yet compared with the others */
+	bool shallow; /* a short tunnel: stays on the ground under what is no street */
+	bool fresh;   /* not yet compared with the others */
 };
 
 struct net {

@@ -14,11 +14,14 @@
 #define STEP_M 8.0   /* between points of bridges, tunnels and ramps */
 #define CAMBER_M 1.5 /* of a long bridge over water */
 #define CAMBER_GRADE 0.05
-#define PORTAL_M 25.0 /* a tunnel is under the ground this far behind its portal */
+#define PORTAL_M 25.0  /* a tunnel is under the ground this far behind its portal */
+#define SHALLOW_M 40.0 /* unless all of it is nearer to a portal than this */
 #define RAIL_CLEARANCE_M 5.5
 #define FOOT_CLEARANCE_M 2.5
 #define GRADE_RAIL 0.035
 #define GRADE_FOOT 0.12
+#define GRADE_GARAGE 0.14
+#define STEEPER 1.6 /* than wanted, to end before a junction */
 #define SLACK_M 0.01
 
 static const struct way *way_of(const struct net *net, uint32_t segment)
@@ -29,8 +32,14 @@ static const struct way *way_of(const struct net *net, uint32_t segment)
 static double grade_of(const struct way *way)
 {
 	if (way->street_class < PKG_STREET_CLASS_COUNT)
-		return GRAPH_GRADE;
+		return way->street_class >= PKG_STREET_SERVICE ? GRADE_GARAGE : GRAPH_GRADE;
 	return way->street_class == WAY_RAIL || way->street_class == WAY_TRAM ? GRADE_RAIL : GRADE_FOOT;
+}
+
+/* To end before a junction. */
+static double steepest_of(const struct way *way)
+{
+	return fmin(STEEPER * grade_of(way), fmax(grade_of(way), GRADE_GARAGE));
 }
 
 static double clearance_of(const struct way *way)
@@ -48,6 +57,8 @@ static uint32_t mover(const struct heights *heights, const struct net_crossing *
 	const struct way *over = way_of(heights->net, c->upper), *under = way_of(heights->net, c->lower);
 	bool streets = heights->kind == NET_DRIVABLE;
 	bool foot_under = clearance_of(under) == FOOT_CLEARANCE_M;
+	if (lower->shallow && lower->drivable && !upper->drivable) /* the railway is on an embankment */
+		return streets || over->street_class != WAY_RAIL ? PKG_NONE : c->upper;
 	bool lower_sinks = lower->level < 0 && (under->tunnel || !over->bridge) && lower->drivable == streets;
 	if (lower_sinks && !(upper->level > 0 && over->bridge && !under->tunnel))
 		return c->lower;
@@ -86,6 +97,7 @@ static void make_room(struct heights *heights, const struct net_crossing *c, uin
 						  .height_m = up ? now + missing : now - missing,
 						  .flat_m = STEP_M + 1.0 + fmin(other_width, 30.0) / 2.0,
 						  .grade = grade_of(way_of(heights->net, moves)),
+						  .steepest = steepest_of(way_of(heights->net, moves)),
 					  });
 }
 
@@ -126,8 +138,10 @@ static void settle_structures(struct heights *heights)
 		if (s->drivable != (heights->kind == NET_DRIVABLE) || !(way->bridge || way->tunnel))
 			continue;
 		double surface = heights_at(heights, s->b), ground = heights->ground[s->b];
-		struct ramp ramp = { .segment = i, .t = 1.0, .flat_m = STEP_M, .grade = grade_of(way) };
-		if (way->tunnel && heights->portal[s->b] >= PORTAL_M) {
+		struct ramp ramp = {
+			.segment = i, .t = 1.0, .flat_m = STEP_M, .grade = grade_of(way), .steepest = steepest_of(way)
+		};
+		if (way->tunnel && !s->shallow && heights->portal[s->b] >= PORTAL_M) {
 			double missing = surface - (ground - clearance_of(way) - GRAPH_COVER_M);
 			ramp.height_m = heights->down[s->b] - fmax(missing, 0.0);
 			if (missing > SLACK_M)
@@ -151,14 +165,16 @@ static bool over_water(const struct net *net, uint32_t vertex)
 	return false;
 }
 
-static void spread_flag(const struct heights *heights, index_array *queue, bool *flag)
+/* From the vertices in the queue along bridges, or along tunnels. */
+static void spread_flag(const struct heights *heights, bool bridges, index_array *queue, bool *flag)
 {
 	for (size_t i = 0; i < queue->count; i++) {
 		uint32_t vertex = queue->items[i];
 		for (uint32_t k = heights->stars.first[vertex]; k < heights->stars.first[vertex + 1]; k++) {
 			const struct net_segment *s = &heights->net->segments.items[heights->stars.segments[k]];
 			uint32_t other = s->a == vertex ? s->b : s->a;
-			if (!way_of(heights->net, heights->stars.segments[k])->bridge || flag[other])
+			const struct way *way = way_of(heights->net, heights->stars.segments[k]);
+			if (!(bridges ? way->bridge : way->tunnel) || flag[other])
 				continue;
 			flag[other] = true;
 			ARRAY_PUSH(queue, other);
@@ -181,20 +197,43 @@ static void bulge_over_water(struct heights *heights)
 			ARRAY_PUSH(&queue, s->b);
 		}
 	}
-	spread_flag(heights, &queue, wet);
+	spread_flag(heights, true, &queue, wet);
 	for (uint32_t v = 0; v < count; v++) {
 		if (!wet[v] || !(heights->portal[v] < HUGE_VAL))
 			continue;
-		double bulge = CAMBER_M * smooth_step(heights->portal[v] / (1.5 * CAMBER_M / CAMBER_GRADE));
+		double bulge = CAMBER_M * ease(heights->portal[v] / (EASE_STEEPEST * CAMBER_M / CAMBER_GRADE));
 		heights->up[v] = fmax(heights->up[v], bulge);
 	}
 	ARRAY_FINISH(&queue);
 	array_free(wet);
 }
 
+static void find_shallow(struct heights *heights)
+{
+	size_t capacity = 0, count = heights->net->vertices.count;
+	bool *deep = array_grow(NULL, &capacity, count + 1, sizeof(bool));
+	memset(deep, 0, (count + 1) * sizeof(bool));
+	index_array queue = { 0 };
+	for (uint32_t v = 0; v < count; v++) {
+		if (heights->portal[v] < SHALLOW_M)
+			continue;
+		deep[v] = true;
+		ARRAY_PUSH(&queue, v);
+	}
+	spread_flag(heights, false, &queue, deep);
+	for (uint32_t i = 0; i < heights->net->segments.count; i++) {
+		struct net_segment *s = &heights->net->segments.items[i];
+		if (s->drivable == (heights->kind == NET_DRIVABLE))
+			s->shallow = way_of(heights->net, i)->tunnel && !deep[s->a] && !deep[s->b];
+	}
+	ARRAY_FINISH(&queue);
+	array_free(deep);
+}
+
 static void solve(struct heights *heights, const crossing_array *crossings, bool count_faults)
 {
 	decks_lay(heights);
+	find_shallow(heights);
 	bulge_over_water(heights);
 	settle_structures(heights);
 	settle_crossings(heights, crossings, count_faults);

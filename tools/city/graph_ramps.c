@@ -82,18 +82,25 @@ static void reach(struct ramp_search *search, double *distance, uint32_t vertex,
 	heap_push(search, at, vertex);
 }
 
-/* Settles all vertices within `limit`; returns the distance of the nearest pinned one, HUGE_VAL if none. */
-static double spread(
+/* What a ramp should end before: distances, HUGE_VAL if there is nothing. */
+struct obstacles {
+	double pinned, junction;
+};
+
+/* Settles all vertices within `limit`. */
+static struct obstacles spread(
 	struct ramp_search *search, const struct heights *heights, double *distance, double limit, bool structures_only)
 {
 	const struct net *net = heights->net;
-	double nearest_pinned = HUGE_VAL;
+	struct obstacles met = { HUGE_VAL, HUGE_VAL };
 	while (search->heap.count) {
 		struct heap_entry top = heap_pop(search);
 		if (top.distance > distance[top.vertex])
 			continue;
-		if (heights->pinned[top.vertex] && top.distance < nearest_pinned)
-			nearest_pinned = top.distance;
+		if (heights->pinned[top.vertex])
+			met.pinned = fmin(met.pinned, top.distance);
+		if (heights->junction[top.vertex])
+			met.junction = fmin(met.junction, top.distance);
 		for (uint32_t i = heights->stars.first[top.vertex]; i < heights->stars.first[top.vertex + 1]; i++) {
 			uint32_t segment = heights->stars.segments[i];
 			const struct net_segment *s = &net->segments.items[segment];
@@ -102,7 +109,7 @@ static double spread(
 				reach(search, distance, s->a == top.vertex ? s->b : s->a, next);
 		}
 	}
-	return nearest_pinned;
+	return met;
 }
 
 void ramp_spread(struct ramp_search *search, const struct heights *heights, double *distance)
@@ -122,7 +129,7 @@ static void lift(struct heights *heights, const struct ramp *ramp, uint32_t vert
 {
 	double height = ramp->height_m;
 	if (distance > ramp->flat_m)
-		height *= run > 0.0 ? 1.0 - smooth_step((distance - ramp->flat_m) / run) : 0.0;
+		height *= run > 0.0 ? 1.0 - ease((distance - ramp->flat_m) / run) : 0.0;
 	if (heights->pinned[vertex] || height == 0.0)
 		return;
 	if (height > heights->up[vertex])
@@ -135,15 +142,19 @@ void ramp_add(struct heights *heights, const struct ramp *ramp)
 {
 	struct ramp_search *search = heights->search;
 	const struct net_segment *on = &heights->net->segments.items[ramp->segment];
-	double length = net_length(heights->net, on), run = 1.5 * fabs(ramp->height_m) / ramp->grade;
+	double length = net_length(heights->net, on);
+	double run = EASE_STEEPEST * fabs(ramp->height_m) / ramp->grade;
+	double shortest = EASE_STEEPEST * fabs(ramp->height_m) / ramp->steepest;
 	search->reached.count = search->heap.count = 0;
 	reach(search, search->distance, on->a, length * ramp->t);
 	reach(search, search->distance, on->b, length * (1.0 - ramp->t));
-	double pinned = spread(search, heights, search->distance, ramp->flat_m + run, false);
+	struct obstacles met = spread(search, heights, search->distance, ramp->flat_m + run, false);
 	struct ramp fitted = *ramp;
-	if (pinned < ramp->flat_m + run) {
-		fitted.flat_m = fmin(ramp->flat_m, pinned * 0.3);
-		run = pinned - fitted.flat_m;
+	if (met.junction < ramp->flat_m + run)
+		run = fmax(met.junction - ramp->flat_m, shortest);
+	if (met.pinned < ramp->flat_m + run) {
+		fitted.flat_m = fmin(ramp->flat_m, met.pinned * 0.3);
+		run = met.pinned - fitted.flat_m;
 	}
 	heights->on_ramp[ramp->segment] = true;
 	for (size_t i = 0; i < search->reached.count; i++) {
