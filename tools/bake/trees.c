@@ -1,0 +1,308 @@
+/*
+ * Trees: those of the data, and planted ones in forests and parks. A crown is two dozen to three dozen triangles, a
+ * rounded body or stacked cones, its outline roughened by the tree's own hash, shaded by occlusion towards the trunk.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "platform/base/rng.h"
+#include "tools/bake/ground.h"
+
+#define SIDES 6
+#define PLANTED_MAX 60000.0
+#define CELL_M 32.0 /* trees of one square are one object */
+
+struct tree_look {
+	struct dvec3 foot;
+	double height, crown_radius, crown_low; /* crown_low: of the crown's lower end above the foot */
+	bool needle;
+	uint64_t hash;
+	uint8_t rgb[3];
+};
+
+struct tree_place {
+	struct tree tree;
+	int32_t row, col;
+};
+typedef ARRAY(struct tree_place) tree_array;
+
+/* ---- one tree ---- */
+
+/* In [0, 1), one of many per tree. */
+static double roll(uint64_t hash, uint32_t index)
+{
+	return (double)(hash_u64(hash + index * UINT64_C(0x9E3779B97F4A7C15)) >> 40) / 16777216.0;
+}
+
+static uint32_t crown_vertex(
+	struct mesh_sink *sink, const struct tree_look *look, double x, double y, double level, double slope, double u)
+{
+	double crown = look->height - look->crown_low;
+	struct vec3 normal = vec3_normalize((struct vec3){ (float)x, (float)y, (float)slope });
+	struct mesh_vertex vertex = {
+		.at = { look->foot.x + x * look->crown_radius, look->foot.y + y * look->crown_radius,
+			look->foot.z + look->crown_low + level * crown },
+		.normal = normal,
+		.u = (float)u,
+		.v = (float)(level * 2.0),
+		.ao = (float)(0.5 + 0.5 * fmin(fmax(level, 0.0), 1.0)),
+		.material = (uint8_t)(look->needle ? MATERIAL_NEEDLE : MATERIAL_LEAF),
+		.seed = (uint8_t)look->hash,
+	};
+	memcpy(vertex.rgb, look->rgb, sizeof(vertex.rgb));
+	return mesh_add_vertex(sink, &vertex);
+}
+
+struct ring_shape {
+	double radius, level, slope;
+};
+
+static void add_ring(struct mesh_sink *sink, const struct tree_look *look, const struct ring_shape *shape,
+	uint32_t index, uint32_t out[SIDES + 1])
+{
+	double twist = roll(look->hash, 1) * 6.3 + (index & 1 ? BLVD_PI / SIDES : 0.0);
+	for (uint32_t i = 0; i <= SIDES; i++) { /* the seam's vertex twice, for the texture */
+		double rough = 0.86 + 0.28 * roll(look->hash, 16 + index * SIDES + i % SIDES);
+		double turn = twist + 2.0 * BLVD_PI * i / SIDES;
+		double lift = 0.05 * (roll(look->hash, 64 + index * SIDES + i % SIDES) - 0.5);
+		out[i] = crown_vertex(sink, look, cos(turn) * shape->radius * rough, sin(turn) * shape->radius * rough,
+			shape->level + lift, shape->slope, 3.0 * i / SIDES);
+	}
+}
+
+static void join_rings(struct mesh_sink *sink, const uint32_t *low, const uint32_t *high, bool high_twisted)
+{
+	for (int i = 0; i < SIDES; i++) {
+		if (high_twisted) { /* high[i] stands between low[i] and low[i + 1] */
+			mesh_add_triangle(sink, PKG_PASS_OPAQUE, low[i], low[i + 1], high[i]);
+			mesh_add_triangle(sink, PKG_PASS_OPAQUE, low[i + 1], high[i + 1], high[i]);
+		} else {
+			mesh_add_triangle(sink, PKG_PASS_OPAQUE, low[i], low[i + 1], high[i + 1]);
+			mesh_add_triangle(sink, PKG_PASS_OPAQUE, low[i], high[i + 1], high[i]);
+		}
+	}
+}
+
+static void close_ring(struct mesh_sink *sink, const uint32_t *ring, uint32_t apex, bool top)
+{
+	for (int i = 0; i < SIDES; i++)
+		mesh_add_triangle(sink, PKG_PASS_OPAQUE, ring[top ? i : i + 1], ring[top ? i + 1 : i], apex);
+}
+
+/* Three body shapes by the tree's hash: broad, round, tall. */
+static void add_leaf_crown(struct mesh_sink *sink, const struct tree_look *look)
+{
+	static const struct ring_shape shapes[3][3] = {
+		{ { 0.80, 0.14, -0.45 }, { 1.02, 0.42, 0.15 }, { 0.70, 0.80, 0.80 } },
+		{ { 0.72, 0.18, -0.50 }, { 1.00, 0.52, 0.10 }, { 0.62, 0.86, 0.90 } },
+		{ { 0.66, 0.15, -0.40 }, { 0.92, 0.50, 0.05 }, { 0.56, 0.85, 0.70 } },
+	};
+	const struct ring_shape *shape = shapes[(look->hash >> 8) % 3];
+	uint32_t rings[3][SIDES + 1];
+	uint32_t low = crown_vertex(sink, look, 0.0, 0.0, 0.0, -1.0, 1.5);
+	for (uint32_t i = 0; i < 3; i++)
+		add_ring(sink, look, &shape[i], i, rings[i]);
+	double lean = 0.15 * (roll(look->hash, 3) - 0.5);
+	uint32_t top = crown_vertex(sink, look, lean, lean, 1.0, 1.0, 1.5);
+	close_ring(sink, rings[0], low, false);
+	join_rings(sink, rings[0], rings[1], true);
+	join_rings(sink, rings[1], rings[2], false);
+	close_ring(sink, rings[2], top, true);
+}
+
+static void add_needle_crown(struct mesh_sink *sink, const struct tree_look *look)
+{
+	static const struct ring_shape tiers[2] = { { 1.0, 0.02, 0.35 }, { 0.68, 0.42, 0.35 } };
+	static const double tops[2] = { 0.72, 1.0 };
+	for (uint32_t i = 0; i < 2; i++) {
+		uint32_t ring[SIDES + 1];
+		add_ring(sink, look, &tiers[i], i, ring);
+		uint32_t low = crown_vertex(sink, look, 0.0, 0.0, tiers[i].level + 0.06, -1.0, 1.5);
+		uint32_t top = crown_vertex(sink, look, 0.0, 0.0, tops[i], 1.0, 1.5);
+		close_ring(sink, ring, low, false);
+		close_ring(sink, ring, top, true);
+	}
+}
+
+static void add_trunk(struct mesh_sink *sink, const struct tree_look *look)
+{
+	enum { TRUNK_SIDES = 5 };
+	double top = look->crown_low + (look->height - look->crown_low) * 0.25;
+	double radius = 0.09 + 0.014 * look->height;
+	uint32_t ring[2][TRUNK_SIDES];
+	for (int end = 0; end < 2; end++)
+		for (int i = 0; i < TRUNK_SIDES; i++) {
+			double turn = 2.0 * BLVD_PI * i / TRUNK_SIDES, r = end ? radius * 0.6 : radius;
+			struct mesh_vertex vertex = {
+				.at = { look->foot.x + cos(turn) * r, look->foot.y + sin(turn) * r,
+					look->foot.z + (end ? top : -0.25) },
+				.normal = { (float)cos(turn), (float)sin(turn), 0.0f },
+				.u = (float)i / TRUNK_SIDES,
+				.v = end ? (float)top : 0.0f,
+				.ao = end ? 0.55f : 0.75f,
+				.material = MATERIAL_BARK,
+				.rgb = { 255, 255, 255 },
+			};
+			ring[end][i] = mesh_add_vertex(sink, &vertex);
+		}
+	for (int i = 0; i < TRUNK_SIDES; i++) {
+		int k = (i + 1) % TRUNK_SIDES;
+		mesh_add_triangle(sink, PKG_PASS_OPAQUE, ring[0][i], ring[0][k], ring[1][k]);
+		mesh_add_triangle(sink, PKG_PASS_OPAQUE, ring[0][i], ring[1][k], ring[1][i]);
+	}
+}
+
+static uint8_t shade(double base, double factor)
+{
+	return (uint8_t)lrint(fmin(fmax(base * factor, 0.0), 255.0));
+}
+
+static void add_tree(struct mesh_sink *sink, const struct city *city, const struct tree *tree)
+{
+	struct tree_look look = { .needle = tree->needle };
+	look.hash =
+		hash_u64((uint64_t)llround(tree->at.x * 100.0) * UINT64_C(1000003) ^ (uint64_t)llround(tree->at.y * 100.0));
+	look.foot = (struct dvec3){ tree->at.x, tree->at.y, city_ground(city, tree->at) + KERB_M };
+	look.height = tree->height_m > 1.0f ? fmin((double)tree->height_m, 40.0) : 9.0;
+	look.height *= 0.92 + 0.16 * roll(look.hash, 5);
+	look.crown_radius = tree->crown_radius_m > 0.3f ? fmin((double)tree->crown_radius_m, 12.0) : look.height * 0.32;
+	look.crown_low = look.needle ? look.height * 0.12 : fmin(fmax(look.height * 0.27, 1.9), look.height * 0.5);
+	double warm = roll(look.hash, 6) - 0.5, bright = 0.88 + 0.2 * roll(look.hash, 7);
+	look.rgb[0] = shade(228.0 + 40.0 * warm, bright);
+	look.rgb[1] = shade(236.0 + 8.0 * warm, bright);
+	look.rgb[2] = shade(222.0 - 30.0 * warm, bright);
+	if (look.needle)
+		add_needle_crown(sink, &look);
+	else
+		add_leaf_crown(sink, &look);
+	add_trunk(sink, &look);
+}
+
+/* ---- where they stand ---- */
+
+static bool may_stand(const struct ground_plan *plan, struct dvec2 at, double clearance)
+{
+	return !ground_on_road(plan, at, clearance, PKG_NONE) && !ground_in_building(plan, at) &&
+		   !ground_area_at(plan, at, REGION_WATER);
+}
+
+static void place_tree(tree_array *trees, const struct tree *tree)
+{
+	ARRAY_PUSH(
+		trees, (struct tree_place){ *tree, (int32_t)floor(tree->at.y / CELL_M), (int32_t)floor(tree->at.x / CELL_M) });
+}
+
+/* A tree that the data puts into a street stood beside it: it is moved to the kerb, if it fits there. */
+static void place_mapped(const struct ground_plan *plan, tree_array *trees, const struct tree *tree)
+{
+	struct tree moved = *tree;
+	for (int ring = 0; ring < 5; ring++)
+		for (int turn = 0; turn < (ring ? 8 : 1); turn++) {
+			double angle = BLVD_PI / 4.0 * turn, reach = 0.8 * ring;
+			moved.at = (struct dvec2){ tree->at.x + reach * cos(angle), tree->at.y + reach * sin(angle) };
+			if (!may_stand(plan, moved.at, 0.4))
+				continue;
+			place_tree(trees, &moved);
+			return;
+		}
+}
+
+static double planting_step(const struct ground_area *area)
+{
+	if (area->region == REGION_FOREST)
+		return 7.5;
+	if (area->region == REGION_PARK)
+		return area->area->kind == AREA_CEMETERY ? 22.0 : 15.0;
+	return 0.0;
+}
+
+static bool taken(const struct ground_plan *plan, struct dvec2 at)
+{
+	static const enum ground_region open[] = { REGION_PITCH, REGION_PARKING, REGION_PEDESTRIAN, REGION_SAND,
+		REGION_ROCK };
+	for (size_t i = 0; i < sizeof(open) / sizeof(*open); i++)
+		if (ground_area_at(plan, at, open[i]))
+			return true;
+	return ground_on_path(plan, at, 0.9);
+}
+
+static void plant_at(
+	const struct ground_plan *plan, tree_array *trees, const struct ground_area *area, struct dvec2 at, uint64_t hash)
+{
+	if (at.x < plan->min.x || at.x > plan->max.x || at.y < plan->min.y || at.y > plan->max.y ||
+		!polygon_contains(&area->area->shape, at) || !may_stand(plan, at, 2.0) || taken(plan, at))
+		return;
+	bool forest = area->region == REGION_FOREST;
+	struct tree tree = { .at = at };
+	tree.needle = roll(hash, 10) < (forest ? 0.25 : 0.08);
+	tree.height_m = (float)((forest ? 10.0 : 8.0) + 7.0 * roll(hash, 11));
+	tree.crown_radius_m = tree.height_m * (tree.needle ? 0.22f : 0.31f);
+	place_tree(trees, &tree);
+}
+
+/* A jittered grid over the area's box, the same grid for all areas. */
+static void plant(const struct ground_plan *plan, tree_array *trees, const struct ground_area *area, double step)
+{
+	struct dvec2 min = { fmax(area->min.x, plan->min.x), fmax(area->min.y, plan->min.y) };
+	struct dvec2 max = { fmin(area->max.x, plan->max.x), fmin(area->max.y, plan->max.y) };
+	for (int64_t row = (int64_t)floor(min.y / step); (double)row * step < max.y; row++)
+		for (int64_t col = (int64_t)floor(min.x / step); (double)col * step < max.x; col++) {
+			uint64_t hash = hash_u64((uint64_t)row * UINT64_C(0x100000001B3) ^ (uint64_t)col);
+			struct dvec2 at = { ((double)col + 0.15 + 0.7 * roll(hash, 8)) * step,
+				((double)row + 0.15 + 0.7 * roll(hash, 9)) * step };
+			plant_at(plan, trees, area, at, hash);
+		}
+}
+
+/* Sparser everywhere when the woods are large. */
+static double planting_stretch(const struct ground_plan *plan)
+{
+	double wanted = 0.0;
+	for (size_t i = 0; i < plan->areas.count; i++) {
+		const struct ground_area *area = &plan->areas.items[i];
+		double step = planting_step(area);
+		double width = fmin(area->max.x, plan->max.x) - fmax(area->min.x, plan->min.x);
+		double height = fmin(area->max.y, plan->max.y) - fmax(area->min.y, plan->min.y);
+		if (step > 0.0 && width > 0.0 && height > 0.0)
+			wanted += fmin(area->size_m2, width * height) / (step * step);
+	}
+	return wanted > PLANTED_MAX ? sqrt(wanted / PLANTED_MAX) : 1.0;
+}
+
+static int compare_places(const void *left, const void *right)
+{
+	const struct tree_place *a = left, *b = right;
+	if (a->row != b->row)
+		return a->row < b->row ? -1 : 1;
+	if (a->col != b->col)
+		return a->col < b->col ? -1 : 1;
+	if (a->tree.at.y != b->tree.at.y)
+		return a->tree.at.y < b->tree.at.y ? -1 : 1;
+	return (a->tree.at.x > b->tree.at.x) - (a->tree.at.x < b->tree.at.x);
+}
+
+void trees_build(const struct city *city, struct mesh_sink *sink)
+{
+	struct ground_plan plan;
+	ground_plan_build(&plan, city, NULL);
+	tree_array trees = { 0 };
+	for (size_t i = 0; i < city->trees.count; i++)
+		place_mapped(&plan, &trees, &city->trees.items[i]);
+	double stretch = planting_stretch(&plan);
+	for (size_t i = 0; i < plan.areas.count; i++)
+		if (planting_step(&plan.areas.items[i]) > 0.0)
+			plant(&plan, &trees, &plan.areas.items[i], planting_step(&plan.areas.items[i]) * stretch);
+	if (trees.count)
+		qsort(trees.items, trees.count, sizeof(*trees.items), compare_places);
+	for (size_t from = 0, to; from < trees.count; from = to) {
+		mesh_begin(sink, &(struct mesh_object){ .kind = PKG_OBJECT_TREE, .face = PKG_NONE });
+		for (to = from; to < trees.count && trees.items[to].row == trees.items[from].row &&
+						trees.items[to].col == trees.items[from].col;
+			 to++)
+			add_tree(sink, city, &trees.items[to].tree);
+		mesh_end(sink);
+	}
+	ARRAY_FINISH(&trees);
+	ground_plan_finish(&plan);
+}
