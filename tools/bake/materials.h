@@ -47,6 +47,69 @@ enum material_id {
 	/* walls: one tile is one bay by one storey; painted by paint_walls.c. From here on the walls' author adds what is
 	   needed. */
 	MATERIAL_WALL_FIRST,
+	/* upper storeys */
+	MATERIAL_WALL_TALL = MATERIAL_WALL_FIRST, /* plaster, tall casement with a stone surround */
+	MATERIAL_WALL_SHUTTER_GREEN,
+	MATERIAL_WALL_SHUTTER_GREY,
+	MATERIAL_WALL_SHUTTER_BROWN,
+	MATERIAL_WALL_FRENCH,   /* French window with a railing */
+	MATERIAL_WALL_ASHLAR,   /* cut stone, tall window, railing */
+	MATERIAL_WALL_PEDIMENT, /* stone surround under a pediment */
+	MATERIAL_WALL_VILLA,
+	MATERIAL_WALL_PAIR, /* two narrow windows */
+	MATERIAL_WALL_SMALL,
+	MATERIAL_WALL_WIDE, /* post-war flats: wide window, roller blind */
+	MATERIAL_WALL_BRICK_SASH,
+	MATERIAL_WALL_BRICK_WIDE,
+	MATERIAL_WALL_STRIP,   /* ribbon window */
+	MATERIAL_WALL_GRID,    /* concrete grid, deep windows */
+	MATERIAL_WALL_BALCONY, /* modern flats with balconies */
+	MATERIAL_WALL_CURTAIN_BLUE,
+	MATERIAL_WALL_CURTAIN_GREY,
+	MATERIAL_WALL_CURTAIN_DARK,
+	MATERIAL_WALL_PIER, /* stone piers between narrow windows */
+	MATERIAL_WALL_INDUSTRIAL,
+	MATERIAL_WALL_CIVIC,
+	MATERIAL_WALL_SCHOOL,
+	MATERIAL_WALL_CHURCH, /* tall arched window; one tile is the whole height */
+	MATERIAL_WALL_BELFRY,
+	MATERIAL_WALL_BOARDS, /* clapboard with a sash window */
+	MATERIAL_WALL_BAY,    /* the same with a bay window */
+	MATERIAL_WALL_GREENHOUSE,
+	/* without openings */
+	MATERIAL_BLANK_PLASTER,
+	MATERIAL_BLANK_BRICK,
+	MATERIAL_BLANK_STONE,
+	MATERIAL_BLANK_CONCRETE,
+	MATERIAL_BLANK_BOARDS,
+	MATERIAL_BLANK_METAL,
+	/* ground floors; their upper fifth is plain */
+	MATERIAL_GROUND_PLASTER,
+	MATERIAL_GROUND_RUSTIC,
+	MATERIAL_GROUND_BRICK,
+	MATERIAL_GROUND_BOARDS,
+	MATERIAL_GROUND_MODERN,
+	MATERIAL_GROUND_LOBBY,
+	/* one bay of a ground floor with a door */
+	MATERIAL_DOOR_PORTAL,
+	MATERIAL_DOOR_PANEL,
+	MATERIAL_DOOR_GLASS,
+	MATERIAL_DOOR_BRICK,
+	MATERIAL_DOOR_BOARDS,
+	MATERIAL_DOOR_CHURCH,
+	MATERIAL_GATE_GARAGE,
+	MATERIAL_GATE_INDUSTRIAL,
+	/* shop fronts */
+	MATERIAL_SHOP_CLASSIC,
+	MATERIAL_SHOP_GLASS,
+	MATERIAL_SHOP_AWNING,
+	MATERIAL_SHOP_CAFE,
+	MATERIAL_SHOP_STONE,
+	/* trim */
+	MATERIAL_CORNICE, /* one tile high is the whole cornice */
+	MATERIAL_TRIM,    /* eaves, gutters, copings */
+	MATERIAL_DORMER,
+	MATERIAL_WALL_END,
 	MATERIAL_LIMIT = 256,
 };
 
