@@ -12,6 +12,7 @@
 #ifndef BLVD_TOOLS_BAKE_BUILDINGS_H
 #define BLVD_TOOLS_BAKE_BUILDINGS_H
 
+#include "tools/bake/materials.h"
 #include "tools/bake/segment_grid.h"
 #include "tools/bake/shell.h"
 #include "tools/bake/skeleton.h"

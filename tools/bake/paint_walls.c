@@ -72,14 +72,14 @@ static const struct wall_look looks[] = {
 	{ MATERIAL_GROUND_PLASTER, 2.9f, 3.4f, FACE_PLASTER, 1.15f, 0.95f, 2.6f, CASEMENT(WHITE, .bars = 2), .surround_m = 0.12f,
 		.sill = true },
 	{ MATERIAL_GROUND_RUSTIC, 2.9f, 3.8f, FACE_RUSTIC, 1.3f, 0.95f, 2.85f,
-		CASEMENT(WHITE, .arch_m = 0.55f, .transom = 0.62f, .reveal_m = 0.08f) },
+		CASEMENT(WHITE, .arch_m = 0.55f, .transom = 0.62f), .surround_m = 0.0f },
 	{ MATERIAL_GROUND_BRICK, 2.9f, 3.3f, FACE_BRICK, 1.15f, 0.85f, 2.55f,
 		{ WHITE, .frame_m = 0.06f, .columns = 1, .transom = 0.5f, .reveal_m = 0.06f, .curtains = true }, .sill = true,
 		.lintel = LINTEL_STONE },
 	{ MATERIAL_GROUND_BOARDS, 2.9f, 3.2f, FACE_BOARDS, 1.1f, 0.85f, 2.4f,
 		{ WHITE, .frame_m = 0.06f, .columns = 1, .transom = 0.5f, .curtains = true }, .surround_m = 0.12f, .sill = true },
 	{ MATERIAL_GROUND_MODERN, 3.4f, 3.3f, FACE_CONCRETE, 2.2f, 0.75f, 2.6f,
-		{ DARK, .frame_m = 0.06f, .columns = 2, .reveal_m = 0.06f } },
+		{ DARK, .frame_m = 0.06f, .columns = 2, .reveal_m = 0.06f }, .surround_m = 0.0f },
 };
 
 static void paint_shutters(struct canvas *canvas, const struct wall_look *look, struct box opening)
