@@ -1,4 +1,5 @@
-/* Buildings that come as surfaces (CityJSON LoD2): what looks up is roof, what stands is wall, what looks down stays. */
+/* Buildings that come as surfaces (CityJSON LoD2): what looks up is roof, what stands is wall, what looks down stays.
+ */
 #include "tools/bake/buildings.h"
 
 #include <math.h>
@@ -33,9 +34,11 @@ static void draw_surface(const struct dvec3 *p, const struct tilt *tilt, const s
 		double x = p[i].x - origin->x, y = p[i].y - origin->y, z = p[i].z - origin->z;
 		double s = x * tilt->along.x + y * tilt->along.y, up = wall ? z : x * -tilt->along.y + y * tilt->along.x;
 		double across = wall ? f->bay_m : ROOF_TILE_M, high = wall ? f->storey_m : ROOF_TILE_M;
-		points[i] = (struct shell_point){ p[i], (float)(s / across), (float)(up / high), (float)(0.7 + 0.3 * fmin(z / 4.0, 1.0)) };
+		points[i] = (struct shell_point){ p[i], (float)(s / across), (float)(up / high),
+			(float)(0.7 + 0.3 * fmin(z / 4.0, 1.0)) };
 	}
-	float u = fminf(points[0].u, fminf(points[1].u, points[2].u)), v = fminf(points[0].v, fminf(points[1].v, points[2].v));
+	float u = fminf(points[0].u, fminf(points[1].u, points[2].u)),
+		  v = fminf(points[0].v, fminf(points[1].v, points[2].v));
 	for (int i = 0; i < 3; i++) {
 		points[i].u -= floorf(u);
 		points[i].v -= floorf(v);
@@ -54,7 +57,8 @@ void building_surfaces(const struct building *building, const struct facade *fac
 	for (size_t i = 0; i + 2 < building->wall_3d_count; i += 3) {
 		struct tilt tilt;
 		const struct dvec3 *p = &building->walls_3d[i];
-		if (isfinite(p[0].x + p[0].y + p[0].z + p[1].x + p[1].y + p[1].z + p[2].x + p[2].y + p[2].z) && tilt_of(p, &tilt))
+		if (isfinite(p[0].x + p[0].y + p[0].z + p[1].x + p[1].y + p[1].z + p[2].x + p[2].y + p[2].z) &&
+			tilt_of(p, &tilt))
 			draw_surface(p, &tilt, &origin, facade, shell);
 	}
 }

@@ -128,8 +128,10 @@ void buildings_build(const struct city *city, const struct pkg_graph *graph, str
 	struct crew crew = { .next = 0 };
 	size_t count = city->buildings.count;
 	for (size_t i = 0; i < SHARES; i++)
-		crew.shares[i] = (struct share){ .sites = &sites, .from = (uint32_t)(count * i / SHARES),
-			.to = (uint32_t)(count * (i + 1) / SHARES), .sink = mesh_sink_new() };
+		crew.shares[i] = (struct share){ .sites = &sites,
+			.from = (uint32_t)(count * i / SHARES),
+			.to = (uint32_t)(count * (i + 1) / SHARES),
+			.sink = mesh_sink_new() };
 	run_crew(&crew);
 	for (int i = 0; i < SHARES; i++) {
 		struct share *share = &crew.shares[i];

@@ -124,8 +124,8 @@ void facade_choose(struct massing *massing);
 
 /* Sets walls' top; draws the roof and everything on it. */
 void roof_build(struct massing *massing, struct shell *shell);
-bool roof_pitched(struct massing *massing, struct shell *shell);  /* false: no skeleton, nothing drawn */
-bool roof_radial(struct massing *massing, struct shell *shell);   /* domes, cones; false: not star-shaped */
+bool roof_pitched(struct massing *massing, struct shell *shell); /* false: no skeleton, nothing drawn */
+bool roof_radial(struct massing *massing, struct shell *shell);  /* domes, cones; false: not star-shaped */
 void roof_flat(struct massing *massing, struct shell *shell);
 void roof_skillion(struct massing *massing, struct shell *shell);
 void roof_turret(struct massing *massing, struct shell *shell, struct dvec2 at, double z, double half_m);

@@ -193,7 +193,7 @@ void canvas_grain(struct canvas *canvas, int cells, float amount, uint32_t seed)
 		for (int x = 0; x < PX; x++) {
 			float u = ((float)x + 0.5f) / PX, v = ((float)y + 0.5f) / PX;
 			float n = tile_noise(u, v, cells, seed) * 0.5f + tile_noise(u, v, cells * 3, seed + 1) * 0.3f +
-				tile_noise(u, v, cells * 9, seed + 2) * 0.2f;
+					  tile_noise(u, v, cells * 9, seed + 2) * 0.2f;
 			shade_px(canvas->px[y * PX + x], 1.0f + n * amount, 1.0f - canvas->px[y * PX + x][3]);
 		}
 }
@@ -207,9 +207,11 @@ void canvas_courses(struct canvas *canvas, struct box box, const struct courses 
 		for (int i = -1; i < courses->blocks; i++) {
 			float x = box.x0 + shift + block_m * (float)i;
 			struct box block = { fmaxf(x, box.x0), y, fminf(x + block_m, box.x1), y + row_m };
-			float light = 1.0f + courses->vary * lattice((i + courses->blocks) % courses->blocks, row, 512, courses->seed);
+			float light =
+				1.0f + courses->vary * lattice((i + courses->blocks) % courses->blocks, row, 512, courses->seed);
 			canvas_shade(canvas, block, light);
-			canvas_shade(canvas, box_of(fmaxf(x - half, box.x0), y, fminf(x + half, box.x1), y + row_m), 1.0f - courses->joint);
+			canvas_shade(
+				canvas, box_of(fmaxf(x - half, box.x0), y, fminf(x + half, box.x1), y + row_m), 1.0f - courses->joint);
 		}
 		if (shift <= 0.0f)
 			canvas_shade(canvas, box_of(box.x1 - half, y, box.x1, y + row_m), 1.0f - courses->joint);

@@ -110,7 +110,8 @@ static double draw_base(const struct massing *m, struct shell *shell, const stru
 	bool stone = f->blank == MATERIAL_BLANK_PLASTER || f->blank == MATERIAL_BLANK_STONE;
 	shell_brush(shell, stone ? MATERIAL_BLANK_STONE : f->blank, f->base_rgb);
 	double z1 = door - 0.3;
-	struct strip strip = { 0.0, w->length, m->base, z1, 0.0, w->length / BLANK_TILE_M, 0.0, (z1 - m->base) / BLANK_TILE_M };
+	struct strip strip = { 0.0, w->length, m->base, z1, 0.0, w->length / BLANK_TILE_M, 0.0,
+		(z1 - m->base) / BLANK_TILE_M };
 	draw_strip(m, shell, w, &strip);
 	return z1;
 }
@@ -132,8 +133,8 @@ static void draw_run(const struct massing *m, struct shell *shell, const struct 
 	draw_strip(m, shell, w, &strip);
 }
 
-static void draw_fronts(const struct massing *m, struct shell *shell, const struct wall *w, const struct storeys *st,
-	double low, bool door)
+static void draw_fronts(
+	const struct massing *m, struct shell *shell, const struct wall *w, const struct storeys *st, double low, bool door)
 {
 	int bays = whole(w->length / FRONT_BAY_M);
 	double bay = w->length / bays, s = 0.0;
@@ -148,16 +149,18 @@ static void draw_fronts(const struct massing *m, struct shell *shell, const stru
 	}
 	for (int i = 0; left > 0; i++) {
 		int width = left <= 3 ? left : 2 + (int)(hash >> 4 * i & 1);
-		static const uint8_t fronts[4] = { MATERIAL_SHOP_CLASSIC, MATERIAL_SHOP_GLASS, MATERIAL_SHOP_AWNING, MATERIAL_SHOP_CAFE };
-		int material = i == 0 || m->facade.shop == MATERIAL_SHOP_STONE ? m->facade.shop : fronts[hash >> (8 + 3 * i) & 3];
+		static const uint8_t fronts[4] = { MATERIAL_SHOP_CLASSIC, MATERIAL_SHOP_GLASS, MATERIAL_SHOP_AWNING,
+			MATERIAL_SHOP_CAFE };
+		int material =
+			i == 0 || m->facade.shop == MATERIAL_SHOP_STONE ? m->facade.shop : fronts[hash >> (8 + 3 * i) & 3];
 		draw_run(m, shell, w, st, low, &(struct run){ material, width, s, s + bay * width });
 		s += bay * width;
 		left -= width;
 	}
 }
 
-static void draw_doorway(const struct massing *m, struct shell *shell, const struct wall *w, const struct storeys *st,
-	double low, int bays)
+static void draw_doorway(
+	const struct massing *m, struct shell *shell, const struct wall *w, const struct storeys *st, double low, int bays)
 {
 	double bay = w->length / bays;
 	int at = bays == 1 ? 0 : bays / 2 - (int)(m->hash >> 50 & 1) * (bays % 2 == 0);
@@ -168,8 +171,8 @@ static void draw_doorway(const struct massing *m, struct shell *shell, const str
 		draw_run(m, shell, w, st, low, &(struct run){ m->facade.ground, bays - at - 1, bay * (at + 1), w->length });
 }
 
-static void draw_gates(const struct massing *m, struct shell *shell, const struct wall *w, const struct storeys *st,
-	double low)
+static void draw_gates(
+	const struct massing *m, struct shell *shell, const struct wall *w, const struct storeys *st, double low)
 {
 	double pitch = m->facade.gate == MATERIAL_GATE_GARAGE ? 3.0 : 4.6;
 	int bays = whole(w->length / pitch);
@@ -180,8 +183,8 @@ static void draw_gates(const struct massing *m, struct shell *shell, const struc
 		draw_run(m, shell, w, st, low, &(struct run){ m->facade.ground, bays - gates, bay * gates, w->length });
 }
 
-static void draw_ground_floor(const struct massing *m, struct shell *shell, const struct wall *w,
-	const struct storeys *st, double low)
+static void draw_ground_floor(
+	const struct massing *m, struct shell *shell, const struct wall *w, const struct storeys *st, double low)
 {
 	const struct facade *f = &m->facade;
 	bool door = m->door_wall == (uint32_t)(w - m->walls.items);
@@ -213,7 +216,8 @@ static void draw_upper(const struct massing *m, struct shell *shell, const struc
 	}
 	double storey = (st->top - st->first) / st->upper, u = first_bay(m, w);
 	shell_brush(shell, f->upper, f->wall_rgb);
-	struct strip strip = { 0.0, w->length, from, upto, u, u + bays, 2.0 + (from - st->first) / storey, 2.0 + (upto - st->first) / storey };
+	struct strip strip = { 0.0, w->length, from, upto, u, u + bays, 2.0 + (from - st->first) / storey,
+		2.0 + (upto - st->first) / storey };
 	draw_strip(m, shell, w, &strip);
 }
 
@@ -311,10 +315,12 @@ static void draw_church_wall(const struct massing *m, struct shell *shell, const
 	draw_strip(m, shell, w, &strip);
 	double lintel = door + fmin(5.0, height * 0.7);
 	shell_brush(shell, m->facade.door, m->facade.wall_rgb);
-	strip = (struct strip){ bay * at, bay * (at + 1), low, lintel, 0.0, 1.0, 1.0 - (door - low) / (lintel - door), 2.0 };
+	strip =
+		(struct strip){ bay * at, bay * (at + 1), low, lintel, 0.0, 1.0, 1.0 - (door - low) / (lintel - door), 2.0 };
 	draw_strip(m, shell, w, &strip);
 	shell_brush(shell, m->facade.blank, m->facade.wall_rgb);
-	strip = (struct strip){ bay * at, bay * (at + 1), lintel, w->top, 0.0, bay / BLANK_TILE_M, 0.0, (w->top - lintel) / BLANK_TILE_M };
+	strip = (struct strip){ bay * at, bay * (at + 1), lintel, w->top, 0.0, bay / BLANK_TILE_M, 0.0,
+		(w->top - lintel) / BLANK_TILE_M };
 	draw_strip(m, shell, w, &strip);
 }
 
@@ -360,8 +366,14 @@ static void draw_posts(const struct massing *m, struct shell *shell, double unde
 		if (dvec2_cross(before->along, w->along) < 0.4 || w->length < 1.2)
 			continue;
 		struct dvec2 in = dvec2_add(dvec2_scale(before->out, -0.35), dvec2_scale(w->out, -0.35));
-		struct shell_box box = { .centre = dvec2_add(w->a, in), .along = w->along, .length = 0.24, .width = 0.24,
-			.from = m->base, .to = under, .tile_m = 2.0, .ao = 0.85f };
+		struct shell_box box = { .centre = dvec2_add(w->a, in),
+			.along = w->along,
+			.length = 0.24,
+			.width = 0.24,
+			.from = m->base,
+			.to = under,
+			.tile_m = 2.0,
+			.ao = 0.85f };
 		shell_box(shell, &box);
 		posts++;
 	}

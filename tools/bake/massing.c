@@ -68,7 +68,8 @@ static void apply_contact(const struct contact_search *search, const struct cont
 	if (other->base >= self->eaves || other->eaves <= self->base)
 		return;
 	if (contact->same_side) {
-		bool wins = other->eaves > self->eaves + 1e-6 || (other->eaves > self->eaves - 1e-6 && contact->other < search->self);
+		bool wins =
+			other->eaves > self->eaves + 1e-6 || (other->eaves > self->eaves - 1e-6 && contact->other < search->self);
 		if (wins)
 			hide(wall, other->base, other->eaves);
 		return;
@@ -112,9 +113,11 @@ static struct wall wall_between(struct dvec2 a, struct dvec2 b)
 static void add_walls(const struct sites *sites, struct massing *m, struct dvec2 a, struct dvec2 b)
 {
 	struct wall whole = wall_between(a, b);
-	struct contact_search search = { .sites = sites, .self = m->index, .a = a, .along = whole.along, .out = whole.out,
-		.length = whole.length };
-	struct dvec2 min = { fmin(a.x, b.x) - 0.3, fmin(a.y, b.y) - 0.3 }, max = { fmax(a.x, b.x) + 0.3, fmax(a.y, b.y) + 0.3 };
+	struct contact_search search = {
+		.sites = sites, .self = m->index, .a = a, .along = whole.along, .out = whole.out, .length = whole.length
+	};
+	struct dvec2 min = { fmin(a.x, b.x) - 0.3, fmin(a.y, b.y) - 0.3 },
+				 max = { fmax(a.x, b.x) + 0.3, fmax(a.y, b.y) + 0.3 };
 	segment_grid_visit(&sites->wall_grid, min, max, visit_contact, &search);
 	qsort(search.found, (size_t)search.count, sizeof(search.found[0]), contact_order);
 	double cuts[64];
@@ -314,7 +317,8 @@ void massing_triangulate(struct massing *m)
 	m->triangles.count = m->points.count = 0;
 	for (size_t i = 0; i < m->walls.count; i++)
 		ARRAY_PUSH(&m->points, m->walls.items[i].a);
-	if (m->triangulator && triangulate_rings(m->triangulator, m->points.items, m->ring_first.items, m->site->ring_count, &m->triangles))
+	if (m->triangulator &&
+		triangulate_rings(m->triangulator, m->points.items, m->ring_first.items, m->site->ring_count, &m->triangles))
 		return;
 	m->deck_faults++;
 	triangulate_face(m->points.items, m->ring_first.items[1], &m->triangles);

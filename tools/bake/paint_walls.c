@@ -30,26 +30,30 @@ struct wall_look {
 	float pair_m;        /* two openings, this far apart */
 };
 
-#define CASEMENT(...) { .frame_m = 0.06f, .columns = 2, .reveal_m = 0.05f, .curtains = true, __VA_ARGS__ }
+#define CASEMENT(...)                                                                                                  \
+	{                                                                                                                  \
+		.frame_m = 0.06f, .columns = 2, .reveal_m = 0.05f, .curtains = true, __VA_ARGS__                               \
+	}
 #define WHITE .frame = { 0.97f, 0.97f, 0.96f }
 #define DARK .frame = { 0.30f, 0.31f, 0.33f }
 
 static const struct wall_look looks[] = {
-	{ MATERIAL_WALL_TALL, 2.9f, 3.3f, FACE_PLASTER, 1.15f, 0.75f, 2.75f, CASEMENT(WHITE, .transom = 0.72f), .surround_m = 0.16f,
-		.sill = true, .belt = true, .lintel = LINTEL_LEDGE },
-	{ MATERIAL_WALL_SHUTTER_GREEN, 3.2f, 3.1f, FACE_PLASTER, 1.1f, 0.8f, 2.55f, CASEMENT(WHITE, .bars = 2), .surround_m = 0.1f,
-		.sill = true, .shutter = { 0.42f, 0.50f, 0.44f } },
-	{ MATERIAL_WALL_SHUTTER_GREY, 3.1f, 3.1f, FACE_PLASTER, 1.1f, 0.75f, 2.6f, CASEMENT(WHITE, .bars = 2), .surround_m = 0.1f,
-		.sill = true, .shutter = { 0.66f, 0.70f, 0.73f } },
-	{ MATERIAL_WALL_SHUTTER_BROWN, 3.2f, 3.1f, FACE_PLASTER, 1.1f, 0.8f, 2.55f, CASEMENT(WHITE, .bars = 1), .surround_m = 0.09f,
-		.sill = true, .belt = true, .shutter = { 0.52f, 0.43f, 0.36f } },
-	{ MATERIAL_WALL_FRENCH, 2.9f, 3.2f, FACE_PLASTER, 1.25f, 0.25f, 2.65f, CASEMENT(WHITE, .transom = 0.8f), .surround_m = 0.13f,
-		.sill = true, .railing_m = 0.95f },
-	{ MATERIAL_WALL_ASHLAR, 2.7f, 3.2f, FACE_ASHLAR, 1.2f, 0.35f, 2.75f, CASEMENT(WHITE, .transom = 0.78f), .surround_m = 0.14f,
-		.sill = true, .belt = true, .lintel = LINTEL_STONE, .railing_m = 0.9f },
-	{ MATERIAL_WALL_PEDIMENT, 3.1f, 3.5f, FACE_PLASTER, 1.2f, 0.75f, 2.65f, CASEMENT(WHITE, .transom = 0.72f), .surround_m = 0.18f,
-		.sill = true, .belt = true, .lintel = LINTEL_GABLE },
-	{ MATERIAL_WALL_VILLA, 3.3f, 2.9f, FACE_PLASTER, 1.35f, 0.85f, 2.3f, CASEMENT(WHITE), .surround_m = 0.07f, .sill = true },
+	{ MATERIAL_WALL_TALL, 2.9f, 3.3f, FACE_PLASTER, 1.15f, 0.75f, 2.75f, CASEMENT(WHITE, .transom = 0.72f),
+		.surround_m = 0.16f, .sill = true, .belt = true, .lintel = LINTEL_LEDGE },
+	{ MATERIAL_WALL_SHUTTER_GREEN, 3.2f, 3.1f, FACE_PLASTER, 1.1f, 0.8f, 2.55f, CASEMENT(WHITE, .bars = 2),
+		.surround_m = 0.1f, .sill = true, .shutter = { 0.42f, 0.50f, 0.44f } },
+	{ MATERIAL_WALL_SHUTTER_GREY, 3.1f, 3.1f, FACE_PLASTER, 1.1f, 0.75f, 2.6f, CASEMENT(WHITE, .bars = 2),
+		.surround_m = 0.1f, .sill = true, .shutter = { 0.66f, 0.70f, 0.73f } },
+	{ MATERIAL_WALL_SHUTTER_BROWN, 3.2f, 3.1f, FACE_PLASTER, 1.1f, 0.8f, 2.55f, CASEMENT(WHITE, .bars = 1),
+		.surround_m = 0.09f, .sill = true, .belt = true, .shutter = { 0.52f, 0.43f, 0.36f } },
+	{ MATERIAL_WALL_FRENCH, 2.9f, 3.2f, FACE_PLASTER, 1.25f, 0.25f, 2.65f, CASEMENT(WHITE, .transom = 0.8f),
+		.surround_m = 0.13f, .sill = true, .railing_m = 0.95f },
+	{ MATERIAL_WALL_ASHLAR, 2.7f, 3.2f, FACE_ASHLAR, 1.2f, 0.35f, 2.75f, CASEMENT(WHITE, .transom = 0.78f),
+		.surround_m = 0.14f, .sill = true, .belt = true, .lintel = LINTEL_STONE, .railing_m = 0.9f },
+	{ MATERIAL_WALL_PEDIMENT, 3.1f, 3.5f, FACE_PLASTER, 1.2f, 0.75f, 2.65f, CASEMENT(WHITE, .transom = 0.72f),
+		.surround_m = 0.18f, .sill = true, .belt = true, .lintel = LINTEL_GABLE },
+	{ MATERIAL_WALL_VILLA, 3.3f, 2.9f, FACE_PLASTER, 1.35f, 0.85f, 2.3f, CASEMENT(WHITE), .surround_m = 0.07f,
+		.sill = true },
 	{ MATERIAL_WALL_PAIR, 3.4f, 3.1f, FACE_PLASTER, 0.8f, 0.8f, 2.55f,
 		{ WHITE, .frame_m = 0.06f, .columns = 1, .transom = 0.7f, .reveal_m = 0.05f }, .surround_m = 0.1f, .sill = true,
 		.belt = true, .pair_m = 1.15f },
@@ -62,22 +66,23 @@ static const struct wall_look looks[] = {
 	{ MATERIAL_WALL_BRICK_WIDE, 3.4f, 3.1f, FACE_BRICK, 1.9f, 0.7f, 2.5f,
 		{ DARK, .frame_m = 0.06f, .columns = 2, .reveal_m = 0.07f }, .sill = true },
 	{ MATERIAL_WALL_CIVIC, 3.4f, 3.9f, FACE_ASHLAR, 1.5f, 0.8f, 3.2f,
-		{ WHITE, .frame_m = 0.07f, .columns = 2, .transom = 0.68f, .arch_m = 0.5f, .reveal_m = 0.08f }, .surround_m = 0.0f,
-		.sill = true, .belt = true },
+		{ WHITE, .frame_m = 0.07f, .columns = 2, .transom = 0.68f, .arch_m = 0.5f, .reveal_m = 0.08f },
+		.surround_m = 0.0f, .sill = true, .belt = true },
 	{ MATERIAL_WALL_SCHOOL, 3.4f, 3.4f, FACE_CONCRETE, 2.7f, 0.95f, 2.75f,
 		{ WHITE, .frame_m = 0.07f, .columns = 3, .transom = 0.7f, .reveal_m = 0.06f }, .sill = true },
 	{ MATERIAL_WALL_BOARDS, 2.9f, 3.0f, FACE_BOARDS, 1.05f, 0.75f, 2.4f,
 		{ WHITE, .frame_m = 0.06f, .columns = 1, .transom = 0.5f, .curtains = true }, .surround_m = 0.13f, .sill = true,
 		.lintel = LINTEL_LEDGE },
-	{ MATERIAL_GROUND_PLASTER, 2.9f, 3.4f, FACE_PLASTER, 1.15f, 0.95f, 2.6f, CASEMENT(WHITE, .bars = 2), .surround_m = 0.12f,
-		.sill = true },
+	{ MATERIAL_GROUND_PLASTER, 2.9f, 3.4f, FACE_PLASTER, 1.15f, 0.95f, 2.6f, CASEMENT(WHITE, .bars = 2),
+		.surround_m = 0.12f, .sill = true },
 	{ MATERIAL_GROUND_RUSTIC, 2.9f, 3.8f, FACE_RUSTIC, 1.3f, 0.95f, 2.85f,
 		CASEMENT(WHITE, .arch_m = 0.55f, .transom = 0.62f), .surround_m = 0.0f },
 	{ MATERIAL_GROUND_BRICK, 2.9f, 3.3f, FACE_BRICK, 1.15f, 0.85f, 2.55f,
 		{ WHITE, .frame_m = 0.06f, .columns = 1, .transom = 0.5f, .reveal_m = 0.06f, .curtains = true }, .sill = true,
 		.lintel = LINTEL_STONE },
 	{ MATERIAL_GROUND_BOARDS, 2.9f, 3.2f, FACE_BOARDS, 1.1f, 0.85f, 2.4f,
-		{ WHITE, .frame_m = 0.06f, .columns = 1, .transom = 0.5f, .curtains = true }, .surround_m = 0.12f, .sill = true },
+		{ WHITE, .frame_m = 0.06f, .columns = 1, .transom = 0.5f, .curtains = true }, .surround_m = 0.12f,
+		.sill = true },
 	{ MATERIAL_GROUND_MODERN, 3.4f, 3.3f, FACE_CONCRETE, 2.2f, 0.75f, 2.6f,
 		{ DARK, .frame_m = 0.06f, .columns = 2, .reveal_m = 0.06f }, .surround_m = 0.0f },
 };
@@ -85,8 +90,10 @@ static const struct wall_look looks[] = {
 static void paint_shutters(struct canvas *canvas, const struct wall_look *look, struct box opening)
 {
 	float width = look->width_m * 0.5f;
-	paint_shutter(canvas, box_of(opening.x0 - width - 0.03f, opening.y0, opening.x0 - 0.03f, opening.y1), look->shutter);
-	paint_shutter(canvas, box_of(opening.x1 + 0.03f, opening.y0, opening.x1 + width + 0.03f, opening.y1), look->shutter);
+	paint_shutter(
+		canvas, box_of(opening.x0 - width - 0.03f, opening.y0, opening.x0 - 0.03f, opening.y1), look->shutter);
+	paint_shutter(
+		canvas, box_of(opening.x1 + 0.03f, opening.y0, opening.x1 + width + 0.03f, opening.y1), look->shutter);
 }
 
 static void paint_lintel(struct canvas *canvas, const struct wall_look *look, struct box opening)
@@ -101,7 +108,8 @@ static void paint_lintel(struct canvas *canvas, const struct wall_look *look, st
 		break;
 	case LINTEL_GABLE:
 		canvas_gable(canvas, box_of(ledge.x0, ledge.y1, ledge.x1, ledge.y1 + 0.36f), tone_grey(0.99f), 0.9f);
-		canvas_gable(canvas, box_of(ledge.x0 + 0.2f, ledge.y1 + 0.02f, ledge.x1 - 0.2f, ledge.y1 + 0.27f), tone_grey(0.84f), 0.8f);
+		canvas_gable(canvas, box_of(ledge.x0 + 0.2f, ledge.y1 + 0.02f, ledge.x1 - 0.2f, ledge.y1 + 0.27f),
+			tone_grey(0.84f), 0.8f);
 		paint_ledge(canvas, ledge, 1.04f);
 		break;
 	case LINTEL_STONE:
@@ -125,7 +133,8 @@ static void paint_opening(struct canvas *canvas, const struct wall_look *look, f
 	if (look->shutter.r > 0.0f)
 		paint_shutters(canvas, look, opening);
 	if (look->railing_m > 0.0f)
-		paint_railing(canvas, box_of(opening.x0 - 0.06f, opening.y0, opening.x1 + 0.06f, opening.y0 + look->railing_m), iron, 11);
+		paint_railing(
+			canvas, box_of(opening.x0 - 0.06f, opening.y0, opening.x1 + 0.06f, opening.y0 + look->railing_m), iron, 11);
 }
 
 static void paint_look(struct canvas *canvas, const struct wall_look *look)
@@ -242,7 +251,8 @@ static void paint_church_wall(struct canvas *c)
 	canvas_arch(c, box_grow(opening, 0.06f), rise, tone_grey(0.55f), tone_grey(0.55f), 0.0f);
 	canvas_arch(c, opening, rise, tone_of(0.22f, 0.25f, 0.30f), tone_of(0.33f, 0.37f, 0.43f), 1.0f);
 	float middle = c->width_m / 2.0f;
-	canvas_rect(c, box_of(middle - 0.05f, opening.y0, middle + 0.05f, opening.y1 - rise * 0.5f), tone_grey(0.78f), 1.0f, 0.0f);
+	canvas_rect(
+		c, box_of(middle - 0.05f, opening.y0, middle + 0.05f, opening.y1 - rise * 0.5f), tone_grey(0.78f), 1.0f, 0.0f);
 	for (int i = 1; i < 6; i++) {
 		float y = opening.y0 + (opening.y1 - rise - opening.y0) * (float)i / 5.0f;
 		canvas_rect(c, box_of(opening.x0, y - 0.03f, opening.x1, y + 0.03f), tone_grey(0.6f), 0.8f, 0.0f);
@@ -336,7 +346,8 @@ static void paint_portal(struct canvas *c)
 	paint_face(c, FACE_RUSTIC, canvas_box(c));
 	float middle = c->width_m / 2.0f;
 	struct box opening = { middle - 0.85f, 0.0f, middle + 0.85f, 2.95f };
-	canvas_arch(c, box_of(opening.x0 - 0.22f, 0.0f, opening.x1 + 0.22f, 3.15f), 0.85f, tone_grey(0.97f), tone_grey(0.97f), 0.0f);
+	canvas_arch(c, box_of(opening.x0 - 0.22f, 0.0f, opening.x1 + 0.22f, 3.15f), 0.85f, tone_grey(0.97f),
+		tone_grey(0.97f), 0.0f);
 	canvas_arch(c, opening, 0.7f, tone_grey(0.45f), tone_grey(0.45f), 0.0f);
 	canvas_arch(c, box_of(opening.x0 + 0.1f, 2.2f, opening.x1 - 0.05f, 2.85f), 0.62f, tone_of(0.24f, 0.28f, 0.32f),
 		tone_of(0.36f, 0.42f, 0.47f), 1.0f);
@@ -390,7 +401,8 @@ static void paint_door_church(struct canvas *c)
 	struct box opening = { middle - 1.05f, 0.0f, middle + 1.05f, 3.3f };
 	for (int i = 3; i >= 1; i--) {
 		float out = 0.15f * (float)i, light = i % 2 ? 0.80f : 0.98f;
-		canvas_arch(c, box_of(opening.x0 - out, 0.0f, opening.x1 + out, opening.y1 + out), 1.3f + out, tone_grey(light), tone_grey(light), 0.0f);
+		canvas_arch(c, box_of(opening.x0 - out, 0.0f, opening.x1 + out, opening.y1 + out), 1.3f + out, tone_grey(light),
+			tone_grey(light), 0.0f);
 	}
 	canvas_arch(c, opening, 1.25f, tone_of(0.36f, 0.30f, 0.26f), tone_of(0.28f, 0.24f, 0.21f), 0.0f);
 	canvas_ribs(c, box_of(opening.x0, 0.0f, opening.x1, 2.2f), 10, 0.2f);
@@ -428,7 +440,8 @@ static void paint_goods(struct canvas *c, struct box pane, struct tone tone)
 	canvas_rect(c, box_of(pane.x0, pane.y0, pane.x1, pane.y0 + height * 0.12f), tone_scale(tone, 0.8f), 0.7f, 1.0f);
 	for (int i = 0; i < 3; i++) {
 		float x = pane.x0 + width * (0.14f + 0.3f * (float)i), top = height * (0.3f + 0.1f * (float)((i * 2) % 3));
-		canvas_rect(c, box_of(x, pane.y0 + height * 0.12f, x + width * 0.16f, pane.y0 + top), tone_scale(tone, 0.85f + 0.15f * (float)i), 0.55f, 1.0f);
+		canvas_rect(c, box_of(x, pane.y0 + height * 0.12f, x + width * 0.16f, pane.y0 + top),
+			tone_scale(tone, 0.85f + 0.15f * (float)i), 0.55f, 1.0f);
 	}
 }
 
@@ -477,14 +490,16 @@ static void paint_shop_classic(struct canvas *c)
 static void paint_shop_glass(struct canvas *c)
 {
 	paint_face(c, FACE_CONCRETE, canvas_box(c));
-	struct front_look look = { dark_frame, { 0.86f, 0.87f, 0.88f }, { 0.62f, 0.63f, 0.66f }, 0.12f, 2.65f, 3.15f, 2, true };
+	struct front_look look = { dark_frame, { 0.86f, 0.87f, 0.88f }, { 0.62f, 0.63f, 0.66f }, 0.12f, 2.65f, 3.15f, 2,
+		true };
 	paint_front(c, &look);
 	paint_lettering(c, 2.8f, 0.2f, tone_of(0.34f, 0.40f, 0.50f));
 }
 static void paint_shop_awning(struct canvas *c)
 {
 	paint_face(c, FACE_PLASTER, canvas_box(c));
-	struct front_look look = { white_frame, { 0.80f, 0.79f, 0.76f }, { 0.60f, 0.62f, 0.52f }, 0.5f, 2.5f, 3.2f, 2, true };
+	struct front_look look = { white_frame, { 0.80f, 0.79f, 0.76f }, { 0.60f, 0.62f, 0.52f }, 0.5f, 2.5f, 3.2f, 2,
+		true };
 	paint_front(c, &look);
 	int stripes = 10;
 	for (int i = 0; i < stripes; i++) {
@@ -547,7 +562,8 @@ static void paint_trim(struct canvas *c)
 static void paint_dormer(struct canvas *c)
 {
 	canvas_rect(c, canvas_box(c), tone_grey(0.95f), 1.0f, 0.0f);
-	struct window_look window = { WHITE, .frame_m = 0.06f, .columns = 2, .transom = 0.7f, .reveal_m = 0.03f, .curtains = true };
+	struct window_look window = { WHITE, .frame_m = 0.06f, .columns = 2, .transom = 0.7f, .reveal_m = 0.03f,
+		.curtains = true };
 	paint_window(c, box_of(0.16f, 0.12f, c->width_m - 0.16f, c->height_m - 0.18f), &window);
 }
 
@@ -598,8 +614,8 @@ static const struct wall_painting paintings[] = {
 static bool glassy(int material)
 {
 	return material == MATERIAL_WALL_CURTAIN_BLUE || material == MATERIAL_WALL_CURTAIN_GREY ||
-		material == MATERIAL_WALL_CURTAIN_DARK || material == MATERIAL_WALL_GREENHOUSE ||
-		material == MATERIAL_GROUND_LOBBY;
+		   material == MATERIAL_WALL_CURTAIN_DARK || material == MATERIAL_WALL_GREENHOUSE ||
+		   material == MATERIAL_GROUND_LOBBY;
 }
 
 static void finish_layer(struct material_layer *layers, int material, const struct canvas *canvas)

@@ -22,15 +22,18 @@ void paint_face(struct canvas *canvas, enum wall_face face, struct box box)
 		canvas_grain(canvas, 5, 0.035f, 11);
 		break;
 	case FACE_BRICK:
-		paint_courses(canvas, box, (struct courses){ rows_brick & ~1, (int)((box.x1 - box.x0) / 0.25f), 0.012f, 0.16f, 0.09f, 3 });
+		paint_courses(canvas, box,
+			(struct courses){ rows_brick & ~1, (int)((box.x1 - box.x0) / 0.25f), 0.012f, 0.16f, 0.09f, 3 });
 		canvas_grain(canvas, 4, 0.05f, 12);
 		break;
 	case FACE_ASHLAR:
-		paint_courses(canvas, box, (struct courses){ rows_low & ~1, (int)((box.x1 - box.x0) / 0.8f + 0.5f), 0.014f, 0.13f, 0.025f, 5 });
+		paint_courses(canvas, box,
+			(struct courses){ rows_low & ~1, (int)((box.x1 - box.x0) / 0.8f + 0.5f), 0.014f, 0.13f, 0.025f, 5 });
 		canvas_grain(canvas, 5, 0.03f, 13);
 		break;
 	case FACE_RUSTIC:
-		paint_courses(canvas, box, (struct courses){ rows_low & ~1, (int)((box.x1 - box.x0) / 0.9f + 0.5f), 0.045f, 0.24f, 0.03f, 7 });
+		paint_courses(canvas, box,
+			(struct courses){ rows_low & ~1, (int)((box.x1 - box.x0) / 0.9f + 0.5f), 0.045f, 0.24f, 0.03f, 7 });
 		canvas_grain(canvas, 7, 0.05f, 14);
 		break;
 	case FACE_CONCRETE:

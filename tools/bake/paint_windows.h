@@ -1,4 +1,5 @@
-/* Windows, doors and wall faces for paint_walls.c: what several wall textures share. Lengths in metres of the canvas. */
+/* Windows, doors and wall faces for paint_walls.c: what several wall textures share. Lengths in metres of the canvas.
+ */
 #ifndef BLVD_TOOLS_BAKE_PAINT_WINDOWS_H
 #define BLVD_TOOLS_BAKE_PAINT_WINDOWS_H
 

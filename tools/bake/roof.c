@@ -76,8 +76,14 @@ static void rooftop_box(const struct massing *m, struct shell *shell, double z)
 	if (room < 2.6 || m->building->is_part || m->top - m->ground < 9.0 || m->hash % 100 >= 75)
 		return;
 	double size = fmin(room * 1.2, 3.0 + m->site->half_width * 0.25), height = 2.0 + (double)(m->hash >> 8 & 3) * 0.35;
-	struct shell_box box = { .centre = centre, .along = m->site->axis, .length = size * 1.3, .width = size * 0.8,
-		.from = z, .to = z + height, .tile_m = 3.0, .ao = 0.9f };
+	struct shell_box box = { .centre = centre,
+		.along = m->site->axis,
+		.length = size * 1.3,
+		.width = size * 0.8,
+		.from = z,
+		.to = z + height,
+		.tile_m = 3.0,
+		.ao = 0.9f };
 	static const uint8_t grey[3] = { 196, 194, 190 };
 	shell_brush(shell, m->hash >> 12 & 1 ? MATERIAL_BLANK_METAL : MATERIAL_BLANK_PLASTER, grey);
 	shell_box(shell, &box);

@@ -41,6 +41,7 @@ struct roof {
 	ARRAY(struct roof_point) spots; /* the same corners */
 	index_array ears;
 	struct profile profile;
+	bool level_eaves; /* a steep roof's eaves stick out level, as a cornice; a gentle one's follow the slope */
 };
 
 struct roof_point {
@@ -78,7 +79,8 @@ static void find_corners(struct roof *roof)
 			last = w->a;
 		}
 		for (size_t i = start; i < roof->corners.count; i++) {
-			size_t next = i + 1 < roof->corners.count ? roof->corners.items[i + 1].wall : roof->corners.items[start].wall + count;
+			size_t next =
+				i + 1 < roof->corners.count ? roof->corners.items[i + 1].wall : roof->corners.items[start].wall + count;
 			roof->corners.items[i].walls = next - roof->corners.items[i].wall;
 		}
 	}
@@ -151,7 +153,7 @@ static bool wing_end(const struct roof *roof, size_t i)
 	const struct corner *c = &roof->corners.items[i];
 	size_t next = next_corner(roof, i), prev = prev_corner(roof, i);
 	return convex(roof, i) && convex(roof, next) && c->length < 14.0 &&
-		c->length < roof->corners.items[next].length * 1.05 && c->length < roof->corners.items[prev].length * 1.05;
+		   c->length < roof->corners.items[next].length * 1.05 && c->length < roof->corners.items[prev].length * 1.05;
 }
 
 static void choose_gables(struct roof *roof)
@@ -256,8 +258,8 @@ static double profile_z(const struct profile *profile, double t)
 {
 	for (int i = 1; i < profile->count; i++)
 		if (t <= profile->t[i])
-			return profile->z[i - 1] +
-				(profile->z[i] - profile->z[i - 1]) * (t - profile->t[i - 1]) / fmax(profile->t[i] - profile->t[i - 1], 1e-6);
+			return profile->z[i - 1] + (profile->z[i] - profile->z[i - 1]) * (t - profile->t[i - 1]) /
+										   fmax(profile->t[i] - profile->t[i - 1], 1e-6);
 	return profile->z[profile->count - 1];
 }
 
@@ -267,12 +269,15 @@ static double first_slope(const struct profile *profile)
 }
 
 /* Eaves. Every wall of one straight run has the same overhang, or none when a neighbour touches any of it. */
-static void set_overhangs(struct roof *roof)
+static void set_overhangs(struct roof *roof, double slope)
 {
 	struct massing *m = roof->m;
+	/* Eaves do not hang down into doors. */
+	double room = (m->eaves - fmax(m->base, m->ground) - GUTTER_M - 1.9) / fmax(slope, 0.1);
+	double most = room < 0.08 || m->skeleton.t_max < 0.8 ? 0.0 : fmin(room, m->facade.overhang);
 	for (size_t i = 0; i < roof->corners.count; i++) {
 		const struct corner *c = &roof->corners.items[i];
-		double overhang = c->speed > 0.0 && m->skeleton.t_max > 0.8 ? m->facade.overhang : 0.0;
+		double overhang = c->speed > 0.0 ? most : 0.0;
 		for (size_t k = 0; k < c->walls; k++) {
 			const struct wall *w = &m->walls.items[wall_of(roof, c, k)];
 			if (w->party || w->hidden_count || w->facing_m < 1.6)
@@ -343,12 +348,12 @@ static bool eaves_hold(struct roof *roof)
 static void lay_eaves(struct roof *roof)
 {
 	struct massing *m = roof->m;
-	set_overhangs(roof);
+	double slope = first_slope(&roof->profile);
+	set_overhangs(roof, slope);
 	for (size_t i = 0; i < roof->corners.count && !eaves_hold(roof); i++)
 		;
-	double slope = first_slope(&roof->profile);
-	/* A steep roof's eaves stick out level, as a cornice; a gentle one's follow the slope. */
-	double fall = slope < 1.3 ? slope : 0.0;
+	roof->level_eaves = slope >= 1.3;
+	double fall = roof->level_eaves ? 0.0 : slope;
 	for (size_t r = 0; r + 1 < m->ring_first.count; r++)
 		for (size_t i = m->ring_first.items[r]; i < m->ring_first.items[r + 1]; i++) {
 			struct wall *w = &m->walls.items[i];
@@ -377,16 +382,29 @@ static void draw_eaves(struct roof *roof)
 				continue;
 			double low = w->top, high = w->top + GUTTER_M, l = w->length;
 			struct dvec2 a = w->eave, b = next->eave;
-			shell_face(roof->shell, (struct shell_point[4]){ point_at(a, low, 0, 0, 0.9), point_at(b, low, l, 0, 0.9),
-										point_at(b, high, l, GUTTER_M, 1), point_at(a, high, 0, GUTTER_M, 1) }, 4);
-			shell_face(roof->shell, (struct shell_point[4]){ point_at(w->a, low, 0, 0, 0.5), point_at(w->b, low, l, 0, 0.5),
-										point_at(b, low, l, 0.5, 0.7), point_at(a, low, 0, 0.5, 0.7) }, 4);
+			shell_face(roof->shell,
+				(struct shell_point[4]){ point_at(a, low, 0, 0, 0.9), point_at(b, low, l, 0, 0.9),
+					point_at(b, high, l, GUTTER_M, 1), point_at(a, high, 0, GUTTER_M, 1) },
+				4);
+			shell_face(roof->shell,
+				(struct shell_point[4]){ point_at(w->a, low, 0, 0, 0.5), point_at(w->b, low, l, 0, 0.5),
+					point_at(b, low, l, 0.5, 0.7), point_at(a, low, 0, 0.5, 0.7) },
+				4);
+			if (roof->level_eaves)
+				shell_face(roof->shell,
+					(struct shell_point[4]){ point_at(a, high, 0, 0, 1), point_at(b, high, l, 0, 1),
+						point_at(w->b, high, l, 0.5, 0.9), point_at(w->a, high, 0, 0.5, 0.9) },
+					4);
 			if (before->overhang <= 0.0)
-				shell_face(roof->shell, (struct shell_point[4]){ point_at(w->a, low, 0, 0, 0.9), point_at(a, low, 0.5, 0, 0.9),
-											point_at(a, high, 0.5, 0.2, 1), point_at(w->a, m->eaves, 0, 0.5, 1) }, 4);
+				shell_face(roof->shell,
+					(struct shell_point[4]){ point_at(w->a, low, 0, 0, 0.9), point_at(a, low, 0.5, 0, 0.9),
+						point_at(a, high, 0.5, 0.2, 1), point_at(w->a, m->eaves, 0, 0.5, 1) },
+					4);
 			if (next->overhang <= 0.0)
-				shell_face(roof->shell, (struct shell_point[4]){ point_at(b, low, 0, 0, 0.9), point_at(w->b, low, 0.5, 0, 0.9),
-											point_at(w->b, m->eaves, 0.5, 0.5, 1), point_at(b, high, 0, 0.2, 1) }, 4);
+				shell_face(roof->shell,
+					(struct shell_point[4]){ point_at(b, low, 0, 0, 0.9), point_at(w->b, low, 0.5, 0, 0.9),
+						point_at(w->b, m->eaves, 0.5, 0.5, 1), point_at(b, high, 0, 0.2, 1) },
+					4);
 		}
 }
 
@@ -399,7 +417,8 @@ static void outline_face(struct roof *roof, const struct skeleton_face *face)
 	for (uint32_t i = 0; i < face->count; i++) {
 		struct skeleton_node node = skeleton->nodes.items[nodes[i]];
 		bool corner = nodes[i] < roof->corners.count;
-		ARRAY_PUSH(&roof->spots, (struct roof_point){ node.at, node.t, corner ? roof->corners.items[nodes[i]].wall : NONE });
+		ARRAY_PUSH(
+			&roof->spots, (struct roof_point){ node.at, node.t, corner ? roof->corners.items[nodes[i]].wall : NONE });
 		if (i > 0 || nodes[0] != face->edge)
 			continue;
 		const struct corner *c = &roof->corners.items[face->edge];
@@ -422,11 +441,11 @@ static struct shell_point place(const struct roof *roof, const struct face_frame
 	const struct massing *m = roof->m;
 	struct dvec2 at = spot->at;
 	double z = m->eaves + profile_z(&roof->profile, spot->t);
-	if (spot->wall != NONE && !frame->upright) {
+	if (spot->wall != NONE && !frame->upright && !roof->level_eaves) {
 		at = m->walls.items[spot->wall].eave;
 		z = m->walls.items[spot->wall].eave_z;
 	}
-	double s = dvec2_dot(dvec2_sub(at, frame->origin), frame->along) - frame->s_min + 1.0;
+	double s = dvec2_dot(dvec2_sub(at, frame->origin), frame->along) - frame->s_min + 2.0;
 	double tile = frame->upright ? 3.0 : ROOF_TILE_M;
 	double up = frame->upright ? z - m->eaves : hypot(spot->t, z - m->eaves) + 1.0;
 	return (struct shell_point){ { at.x, at.y, z }, (float)(s / tile), (float)(up / tile), 1.0f };
@@ -490,8 +509,9 @@ static void draw_cut(struct roof *roof, const struct face_frame *frame, const st
 static struct face_frame frame_of(const struct roof *roof, const struct skeleton_face *face)
 {
 	const struct corner *c = &roof->corners.items[face->edge];
-	struct face_frame frame = { .origin = corner_at(roof, face->edge), .along = { -c->out.y, c->out.x },
-		.upright = face->upright };
+	struct face_frame frame = {
+		.origin = corner_at(roof, face->edge), .along = { -c->out.y, c->out.x }, .upright = face->upright
+	};
 	for (size_t i = 0; i < roof->spots.count; i++)
 		frame.s_min = fmin(frame.s_min, dvec2_dot(dvec2_sub(roof->spots.items[i].at, frame.origin), frame.along));
 	return frame;
@@ -545,7 +565,8 @@ static struct dvec2 ridge_place(const struct roof *roof, double share)
 	for (size_t f = 0; f < skeleton->faces.count; f++) {
 		const struct skeleton_face *face = &skeleton->faces.items[f];
 		for (uint32_t i = 0; i < face->count && !face->upright; i++) {
-			uint32_t a = skeleton->face_nodes.items[face->first + i], b = skeleton->face_nodes.items[face->first + (i + 1) % face->count];
+			uint32_t a = skeleton->face_nodes.items[face->first + i],
+					 b = skeleton->face_nodes.items[face->first + (i + 1) % face->count];
 			size_t other = a == best ? b : b == best ? a : best;
 			double length = dvec2_length(dvec2_sub(skeleton->nodes.items[other].at, skeleton->nodes.items[best].at));
 			if (skeleton->nodes.items[other].t > skeleton->nodes.items[best].t * 0.85 && length > far) {
@@ -563,7 +584,7 @@ static void draw_chimney(struct roof *roof)
 	struct massing *m = roof->m;
 	enum building_kind kind = m->building->kind;
 	bool home = kind == BUILDING_HOUSE || kind == BUILDING_APARTMENTS || kind == BUILDING_RETAIL;
-	if (!home || m->area < 45.0 || m->hash >> 20 % 100 >= 70 || m->skeleton.t_max < 2.0)
+	if (!home || m->area < 45.0 || (m->hash >> 20) % 100 >= 70 || m->skeleton.t_max < 2.0 || m->top - m->ground < 4.0)
 		return;
 	int count = m->area > 260.0 ? 2 : 1;
 	for (int i = 0; i < count; i++) {
@@ -571,8 +592,14 @@ static void draw_chimney(struct roof *roof)
 		struct dvec2 ridge = m->site->axis, across = { -ridge.y, ridge.x };
 		struct dvec2 at = ridge_place(roof, 0.2 + 0.3 * (double)(hash % 100) / 100.0 + 0.4 * i);
 		at = dvec2_add(at, dvec2_scale(across, hash >> 9 & 1 ? 0.5 : -0.5));
-		struct shell_box box = { .centre = at, .along = ridge, .length = 0.9, .width = 0.55, .from = m->top - 1.4,
-			.to = m->top + 0.7, .tile_m = 3.0, .ao = 0.95f };
+		struct shell_box box = { .centre = at,
+			.along = ridge,
+			.length = 0.9,
+			.width = 0.55,
+			.from = m->top - 1.4,
+			.to = m->top + 0.7,
+			.tile_m = 3.0,
+			.ao = 0.95f };
 		static const uint8_t brick[3] = { 186, 150, 130 };
 		bool red = m->facade.roofing == MATERIAL_ROOF_TILES && hash >> 10 & 1;
 		shell_brush(roof->shell, red ? MATERIAL_BLANK_BRICK : MATERIAL_BLANK_PLASTER, red ? brick : m->facade.wall_rgb);
@@ -603,7 +630,8 @@ static void draw_dormer(struct roof *roof, const struct wall *w, double s, doubl
 	shell_face(roof->shell, front, 4);
 	shell_brush(roof->shell, m->facade.roofing, m->facade.roof_rgb);
 	struct shell_point a = front[0], b = front[1], c = front[2], d = front[3];
-	struct shell_point back_b = { { corner[2].x, corner[2].y, lid }, 0.3f, 0.4f, 1 }, back_a = { { corner[3].x, corner[3].y, lid }, 0, 0.4f, 1 };
+	struct shell_point back_b = { { corner[2].x, corner[2].y, lid }, 0.3f, 0.4f, 1 },
+					   back_a = { { corner[3].x, corner[3].y, lid }, 0, 0.4f, 1 };
 	a.u = b.u = c.u = d.u = 0.0f;
 	a.v = b.v = 0.0f;
 	c.v = d.v = 0.4f;
@@ -619,13 +647,16 @@ static void draw_dormers(struct roof *roof)
 	struct massing *m = roof->m;
 	enum building_kind kind = m->building->kind;
 	bool mansard = m->site->roof == ROOF_MANSARD;
-	bool home = kind == BUILDING_HOUSE || kind == BUILDING_APARTMENTS || kind == BUILDING_RETAIL || kind == BUILDING_CIVIC;
-	if (!(home || mansard) || m->top - m->eaves < 2.2 || (!mansard && (m->hash >> 30) % 100 >= 30) || m->skeleton.t_max < 2.5)
+	bool home =
+		kind == BUILDING_HOUSE || kind == BUILDING_APARTMENTS || kind == BUILDING_RETAIL || kind == BUILDING_CIVIC;
+	if (!(home || mansard) || m->top - m->eaves < 2.2 || (!mansard && (m->hash >> 30) % 100 >= 30) ||
+		m->skeleton.t_max < 2.5)
 		return;
 	for (size_t i = 0; i < roof->corners.count; i++) {
 		const struct corner *c = &roof->corners.items[i];
 		const struct wall *w = &m->walls.items[c->wall];
-		if (c->speed <= 0.0 || c->length < 6.0 || w->street_m > 30.0 || !convex(roof, i) || !convex(roof, next_corner(roof, i)))
+		if (c->speed <= 0.0 || c->length < 6.0 || w->street_m > 30.0 || !convex(roof, i) ||
+			!convex(roof, next_corner(roof, i)))
 			continue;
 		double pitch = m->facade.bay_m * (mansard ? 1.0 : 2.0), room = c->length - (mansard ? 1.6 : 4.5);
 		int count = (int)(room / pitch);
@@ -641,7 +672,8 @@ static void draw_dormers(struct roof *roof)
 static void draw_turret(struct roof *roof)
 {
 	struct massing *m = roof->m;
-	if (m->building->kind != BUILDING_CHURCH || m->building->is_part || m->area < 140.0 || m->skeleton.t_max < 3.0)
+	if (m->building->kind != BUILDING_CHURCH || m->building->is_part || m->area < 140.0 || m->skeleton.t_max < 3.0 ||
+		m->top - m->ground < 7.0)
 		return;
 	double half = fmin(1.6, 0.8 + m->site->half_width * 0.08);
 	roof_turret(m, roof->shell, ridge_place(roof, 0.12), m->top, half);
@@ -649,8 +681,14 @@ static void draw_turret(struct roof *roof)
 
 void roof_turret(struct massing *m, struct shell *shell, struct dvec2 at, double z, double half_m)
 {
-	struct shell_box box = { .centre = at, .along = m->site->axis, .length = half_m * 2.0, .width = half_m * 2.0,
-		.from = z - half_m * 1.6, .to = z + half_m * 1.8, .tile_m = half_m * 2.0, .ao = 1.0f };
+	struct shell_box box = { .centre = at,
+		.along = m->site->axis,
+		.length = half_m * 2.0,
+		.width = half_m * 2.0,
+		.from = z - half_m * 1.6,
+		.to = z + half_m * 1.8,
+		.tile_m = half_m * 2.0,
+		.ao = 1.0f };
 	shell_brush(shell, MATERIAL_WALL_BELFRY, m->facade.wall_rgb);
 	shell_box(shell, &box);
 	shell_brush(shell, m->facade.roofing == MATERIAL_ROOF_TILES ? MATERIAL_ROOF_SLATE : m->facade.roofing,
@@ -659,7 +697,8 @@ void roof_turret(struct massing *m, struct shell *shell, struct dvec2 at, double
 	double out = half_m * 1.12, tip = box.to + half_m * 4.2;
 	for (int i = 0; i < 4; i++) {
 		static const double corner[5][2] = { { -1, -1 }, { 1, -1 }, { 1, 1 }, { -1, 1 }, { -1, -1 } };
-		struct shell_point points[3] = { { .ao = 1, .v = 0 }, { .ao = 1, .u = 0.7f }, { .ao = 1, .u = 0.35f, .v = 1.5f } };
+		struct shell_point points[3] = { { .ao = 1, .v = 0 }, { .ao = 1, .u = 0.7f },
+			{ .ao = 1, .u = 0.35f, .v = 1.5f } };
 		for (int k = 0; k < 2; k++) {
 			points[k].at.x = at.x + along.x * corner[i + k][0] * out + across.x * corner[i + k][1] * out;
 			points[k].at.y = at.y + along.y * corner[i + k][0] * out + across.y * corner[i + k][1] * out;

@@ -49,8 +49,8 @@ static bool star_shaped(const struct massing *m, struct dvec2 centre)
 static struct shell_point ring_point(const struct turn *turn, struct dvec2 corner, size_t step, double u, double v)
 {
 	struct dvec2 at = dvec2_add(turn->centre, dvec2_scale(dvec2_sub(corner, turn->centre), turn->steps[step].r));
-	return (struct shell_point){ { at.x, at.y, turn->from + turn->rise * turn->steps[step].z }, (float)(u / ROOF_TILE_M),
-		(float)(v / ROOF_TILE_M), 1.0f };
+	return (struct shell_point){ { at.x, at.y, turn->from + turn->rise * turn->steps[step].z },
+		(float)(u / ROOF_TILE_M), (float)(v / ROOF_TILE_M), 1.0f };
 }
 
 static struct vec3 turned_normal(const struct turn *turn, struct dvec2 corner, size_t step)
@@ -63,8 +63,8 @@ static struct vec3 turned_normal(const struct turn *turn, struct dvec2 corner, s
 	return vec3_normalize((struct vec3){ (float)(out.x / radius * rise), (float)(out.y / radius * rise), (float)run });
 }
 
-static void draw_smooth(struct shell *shell, const struct turn *turn, const struct wall *w, size_t s,
-	const struct shell_point corner[4])
+static void draw_smooth(
+	struct shell *shell, const struct turn *turn, const struct wall *w, size_t s, const struct shell_point corner[4])
 {
 	bool tip = s + 2 == turn->count;
 	uint32_t a = shell_vertex(shell, &corner[0], turned_normal(turn, w->a, s));

@@ -118,7 +118,7 @@ void shell_emit(const struct shell *shell, const struct mesh_object *object, str
 	for (size_t i = 0; i < shell->vertices.count; i++)
 		mesh_add_vertex(sink, &shell->vertices.items[i]);
 	for (size_t i = 0; i + 2 < shell->indices.count; i += 3)
-		mesh_add_triangle(sink, PKG_PASS_OPAQUE, shell->indices.items[i], shell->indices.items[i + 1],
-			shell->indices.items[i + 2]);
+		mesh_add_triangle(
+			sink, PKG_PASS_OPAQUE, shell->indices.items[i], shell->indices.items[i + 1], shell->indices.items[i + 2]);
 	mesh_end(sink);
 }

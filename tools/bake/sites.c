@@ -29,8 +29,8 @@ size_t ring_clean(struct dvec2 *points, size_t count)
 		for (size_t i = 0; i < kept; i++) {
 			struct dvec2 before = out ? points[out - 1] : points[kept - 1], at = points[i];
 			struct dvec2 after = points[i + 1 < kept ? i + 1 : 0];
-			bool drop = dvec2_length(dvec2_sub(at, before)) < 0.02 || on_line(before, at, after) ||
-				is_spike(before, at, after);
+			bool drop =
+				dvec2_length(dvec2_sub(at, before)) < 0.02 || on_line(before, at, after) || is_spike(before, at, after);
 			if (!drop || kept - (i - out) <= 3)
 				points[out++] = at;
 		}
@@ -164,18 +164,19 @@ static void add_walls(struct sites *sites, uint32_t index)
 	if (!site->building || site->building->kind == BUILDING_ROOF)
 		return;
 	for (size_t r = 0; r < site->ring_count; r++) {
-		size_t first = sites->ring_first.items[site->first_ring + r], end = sites->ring_first.items[site->first_ring + r + 1];
+		size_t first = sites->ring_first.items[site->first_ring + r],
+			   end = sites->ring_first.items[site->first_ring + r + 1];
 		for (size_t i = first; i < end; i++)
-			ARRAY_PUSH(&sites->walls, (struct segment){ sites->points.items[i],
-										  sites->points.items[i + 1 < end ? i + 1 : first], index });
+			ARRAY_PUSH(&sites->walls,
+				(struct segment){ sites->points.items[i], sites->points.items[i + 1 < end ? i + 1 : first], index });
 	}
 }
 
 static void add_way(struct sites *sites, uint32_t index)
 {
 	const struct way *way = &sites->city->ways.items[index];
-	if (way->tunnel || way->street_class == WAY_RAIL || way->street_class == WAY_TRAM || way->street_class == WAY_TRACK ||
-		way->street_class == WAY_STEPS)
+	if (way->tunnel || way->street_class == WAY_RAIL || way->street_class == WAY_TRAM ||
+		way->street_class == WAY_TRACK || way->street_class == WAY_STEPS)
 		return;
 	for (size_t i = 0; i + 1 < way->node_count; i++)
 		ARRAY_PUSH(&sites->ways, (struct segment){ way->nodes[i].at, way->nodes[i + 1].at, index });

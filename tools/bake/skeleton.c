@@ -189,8 +189,7 @@ static double split_time(const struct front *front, const struct wave *wave, con
 	double rate = dvec2_dot(line->normal, wave->velocity) - line->speed;
 	if (rate > -1e-12)
 		return NEVER;
-	double distance =
-		dvec2_dot(line->normal, wave_at(wave, front->now)) - line->offset - line->speed * front->now;
+	double distance = dvec2_dot(line->normal, wave_at(wave, front->now)) - line->offset - line->speed * front->now;
 	if (distance < -1e-6)
 		return NEVER;
 	double t = front->now + fmax(distance, 0.0) / -rate;
@@ -366,8 +365,8 @@ struct face_arcs {
 };
 
 /* Walks the arcs of one face from the end of its base edge back to the start. */
-static bool walk_face(struct skeleton *out, const struct line *line, struct face_arcs *arcs, size_t count,
-	const uint32_t *stand)
+static bool walk_face(
+	struct skeleton *out, const struct line *line, struct face_arcs *arcs, size_t count, const uint32_t *stand)
 {
 	uint32_t start = stand[line->base_a], at = stand[line->base_b];
 	struct skeleton_face face = { .first = (uint32_t)out->face_nodes.count, .edge = line->edge };

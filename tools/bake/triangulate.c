@@ -87,8 +87,8 @@ static GEOSGeometry *make_ring(GEOSContextHandle_t geos, const struct dvec2 *poi
 	return GEOSGeom_createLinearRing_r(geos, sequence);
 }
 
-static GEOSGeometry *make_polygon(GEOSContextHandle_t geos, const struct dvec2 *points, const size_t *first,
-	size_t rings)
+static GEOSGeometry *make_polygon(
+	GEOSContextHandle_t geos, const struct dvec2 *points, const size_t *first, size_t rings)
 {
 	GEOSGeometry *outer = make_ring(geos, points, first[1]);
 	GEOSGeometry **holes = calloc(rings, sizeof(GEOSGeometry *));
@@ -110,8 +110,8 @@ static GEOSGeometry *make_polygon(GEOSContextHandle_t geos, const struct dvec2 *
 	return polygon;
 }
 
-static bool take_triangle(struct triangulator *self, const GEOSGeometry *triangle, const struct dvec2 *points,
-	index_array *out)
+static bool take_triangle(
+	struct triangulator *self, const GEOSGeometry *triangle, const struct dvec2 *points, index_array *out)
 {
 	const GEOSGeometry *ring = GEOSGetExteriorRing_r(self->geos, triangle);
 	const GEOSCoordSequence *sequence = ring ? GEOSGeom_getCoordSeq_r(self->geos, ring) : NULL;
@@ -132,8 +132,8 @@ static bool take_triangle(struct triangulator *self, const GEOSGeometry *triangl
 	return true;
 }
 
-static bool take_all(struct triangulator *self, const GEOSGeometry *result, const struct dvec2 *points,
-	index_array *out)
+static bool take_all(
+	struct triangulator *self, const GEOSGeometry *result, const struct dvec2 *points, index_array *out)
 {
 	int count = GEOSGetNumGeometries_r(self->geos, result);
 	for (int i = 0; i < count; i++)
