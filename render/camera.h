@@ -8,8 +8,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "assets/pkg.h"
 #include "nav/nav.h"
+#include "render/obstacles.h"
 #include "render/view.h"
 
 enum camera_kind {
@@ -19,7 +19,7 @@ enum camera_kind {
 	CAMERA_NORTH_UP,   /* overview, north is up */
 	CAMERA_KIND_COUNT,
 };
-const char *camera_name(enum camera_kind kind);
+const char *camera_name(enum camera_kind kind); /* "driver", "chase", "heading-up", "north-up" */
 /* Returns -1 when there is no camera of this name. */
 int camera_from_name(const char *name);
 
@@ -30,25 +30,26 @@ struct camera_pose {
 	double fov_rad; /* vertical; 0: the renderer's */
 };
 
-struct camera_spring {
+struct spring {
 	double value, velocity;
 };
 
-/* What of the city a camera must keep clear of; `pkg` may be NULL (nothing). Asked with city-frame mm. */
-struct camera_obstacles {
-	const struct pkg *pkg;
-};
+/* Exact motion over `dt_s` of a critically damped spring whose target moves evenly from one value to another. Cutting
+ * the time into pieces changes nothing. `rate` is its natural frequency, 1/s. */
+void spring_follow(struct spring *spring, double from, double to, double rate, double dt_s);
 
 struct camera {
 	enum camera_kind kind;
-	double zoom;    /* 1 is the default distance; 0.25 to 4 */
+	double zoom;    /* 1 is the default distance; 0.25 to 4, more is closer */
 	double fov_rad; /* vertical */
 	bool started;
 	int64_t time_ns;
-	/* springs, relative to the car: back, right, up in metres; heading and pitch in radians */
-	struct camera_spring back, right, up, pitch, turn, distance;
-	int64_t anchor_mm[3]; /* the car when last seen */
-	int32_t anchor_heading;
+	struct spring back, up, pitch, turn; /* behind and above the car, m; rad; heading, rad, unwrapped */
+	struct spring climb, slope;          /* the car's height, m; the street's slope */
+	double target_turn, target_climb, target_slope;
+	double reach;                        /* 0 to 1: how far of the way to its place the eye may go */
+	int64_t car_mm[3];                   /* when last seen */
+	int64_t slope_mm[3];                 /* where the slope was last taken */
 	struct camera_pose pose;
 };
 
@@ -56,9 +57,9 @@ void camera_init(struct camera *camera, double fov_rad);
 void camera_next(struct camera *camera);                /* c: the next kind */
 void camera_zoom(struct camera *camera, double factor); /* > 1 is closer */
 
-/* Follows the car to nav->time_ns. The first call, a jump of the car by more than 60 m and a step back in time cut
- * instead of gliding. */
-void camera_follow(struct camera *camera, const struct nav_view *nav, const struct camera_obstacles *obstacles);
+/* Follows the car to nav->time_ns and sets camera->pose. The first call, a jump of the car by more than 60 m and a step
+ * back in time cut instead of gliding. Without a known position the pose stays. `obstacles` may be NULL. */
+void camera_follow(struct camera *camera, const struct nav_view *nav, const struct obstacles *obstacles);
 
 /* The frame's view. Slices meet at `split_m`. */
 void camera_view(

@@ -102,7 +102,7 @@ static void probe(struct gfx *gfx, struct gles3 *gl, int version)
 	caps->max_array_layers = get_u32(GL_MAX_ARRAY_TEXTURE_LAYERS);
 	snprintf(caps->renderer, sizeof(caps->renderer), "%s", (const char *)glGetString(GL_RENDERER));
 	snprintf(caps->version, sizeof(caps->version), "%s", (const char *)glGetString(GL_VERSION));
-	log_debug("OpenGL: %s, %s", caps->renderer, caps->version);
+	log_info("OpenGL: %s, %s", caps->renderer, caps->version);
 }
 
 static int gles3_init(struct gfx *gfx, struct arena *arena)

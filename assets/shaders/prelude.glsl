@@ -3,6 +3,17 @@ precision highp float;
 precision highp int;
 precision highp sampler2DArray;
 
+// enum pkg_material_kind of assets/pkg_format.h
+#define KIND_WALL 0.0
+#define KIND_SHOP 1.0
+#define KIND_ROOF 2.0
+#define KIND_GROUND 3.0
+#define KIND_MARKING 4.0
+#define KIND_WATER 5.0
+#define KIND_FOLIAGE 6.0
+#define KIND_SOLID 7.0
+#define KIND_LAMP 8.0
+
 #ifndef NO_FRAME_BLOCK // for what needs no light: an active block must always be bound
 // What all shaders of a frame share: struct frame_block of render/frame_block.h, binding 0.
 layout(std140) uniform Frame {
@@ -12,7 +23,7 @@ layout(std140) uniform Frame {
 	highp vec4 ground_color;  // linear ambient from below, w share of lit shops
 	highp vec4 haze;          // linear colour at the horizon, w extinction per metre
 	highp vec4 zenith;        // linear colour overhead, w share of stars
-	highp vec4 eye;           // xyz eye height above the city's datum in z; x, y unused; w simulated seconds, modulo 1024
+	highp vec4 eye;           // xy position modulo 1,024 m, z height above the city's datum; w seconds modulo 1,024
 	highp vec4 screen;        // width, height, 1 / width, 1 / height
 };
 #endif
@@ -28,4 +39,23 @@ vec3 encode_srgb(vec3 c)
 vec3 decode_srgb(vec3 c)
 {
 	return c * (c * (c * 0.317443 + 0.668301) + 0.015990);
+}
+
+// The clear sky in a direction (unit), without sun or stars.
+vec3 sky_in(vec3 direction)
+{
+	float up = max(direction.z, 0.0);
+	float towards_sun = max(dot(direction.xy, sun_direction.xy), 0.0);
+	vec3 low = haze.rgb * (1.0 + 0.35 * towards_sun * towards_sun * (1.0 - sun_direction.w));
+	return mix(low, zenith.rgb, 1.0 - exp2(-4.2 * up));
+}
+
+// What air does to a colour seen from `from_eye` metres away: one haze for near and far. It is thinner higher up.
+vec3 hazed(vec3 color, highp vec3 from_eye)
+{
+	highp float d = length(from_eye);
+	float height = max(from_eye.z * 0.5, 0.0);
+	float clear = exp2(-haze.w * d * exp2(-height * 0.004));
+	vec3 low = haze.rgb * (1.0 + 0.35 * max(dot(from_eye.xy, sun_direction.xy) / max(d, 1.0), 0.0) * (1.0 - sun_direction.w));
+	return mix(low, color, clear);
 }

@@ -1,0 +1,263 @@
+/*
+ * Bookkeeping of resident chunks. Sorting by distance is done again only after the eye has moved RESORT_MM; per frame
+ * the cost is a walk over the chunks.
+ */
+#include "assets/residency.h"
+
+#include <errno.h>
+
+#include "platform/base/log.h"
+
+#define RESORT_MM 16000
+
+void residency_totals(const struct pkg *pkg, uint64_t *vertices, uint64_t *indices)
+{
+	*vertices = *indices = 0;
+	for (uint32_t i = 0; i < pkg->chunk_count; i++) {
+		*vertices += pkg->chunks[i].vertex_count;
+		for (int pass = 0; pass < PKG_PASS_COUNT; pass++)
+			*indices += pkg->chunks[i].index_count[pass];
+	}
+}
+
+static uint32_t chunk_indices(const struct pkg_chunk *chunk)
+{
+	uint32_t sum = 0;
+	for (int pass = 0; pass < PKG_PASS_COUNT; pass++)
+		sum += chunk->index_count[pass];
+	return sum;
+}
+
+static uint64_t chunk_bytes(const struct pkg_chunk *chunk)
+{
+	return (uint64_t)chunk->vertex_count * sizeof(struct pkg_mesh_vertex) + (uint64_t)chunk_indices(chunk) * 2;
+}
+
+int residency_init(struct residency *residency, struct arena *arena, const struct pkg *pkg, uint32_t vertex_capacity,
+	uint32_t index_capacity)
+{
+	uint64_t vertices, indices;
+	residency_totals(pkg, &vertices, &indices);
+	uint32_t count = pkg->chunk_count;
+	*residency = (struct residency){
+		.pkg = pkg,
+		.chunks = ARENA_ARRAY(arena, struct residency_chunk, count),
+		.order = ARENA_ARRAY(arena, uint32_t, count),
+		.key = ARENA_ARRAY(arena, uint64_t, count),
+		.whole = vertices <= vertex_capacity && indices <= index_capacity,
+	};
+	if (!residency->chunks || !residency->order || !residency->key ||
+		range_pool_init(&residency->vertices, arena, vertex_capacity, count) ||
+		range_pool_init(&residency->indices, arena, index_capacity, count))
+		return -ENOMEM;
+	for (uint32_t i = 0; i < count; i++) {
+		residency->order[i] = i;
+		residency->chunks[i].index_count = chunk_indices(&pkg->chunks[i]);
+	}
+	return 0;
+}
+
+/* Place along a Hilbert curve of order 16 (Hilbert 1891; the usual quadrant walk). */
+static uint64_t hilbert(uint32_t x, uint32_t y)
+{
+	uint64_t d = 0;
+	for (uint32_t s = 1u << 15; s; s >>= 1) {
+		uint32_t rx = (x & s) != 0, ry = (y & s) != 0;
+		d += (uint64_t)s * s * ((3 * rx) ^ ry);
+		if (!ry) {
+			if (rx) {
+				x = 0xFFFF - x;
+				y = 0xFFFF - y;
+			}
+			uint32_t t = x;
+			x = y;
+			y = t;
+		}
+	}
+	return d;
+}
+
+static uint64_t curve_key(const struct pkg *pkg, const struct pkg_chunk *chunk)
+{
+	uint32_t at[2];
+	for (int axis = 0; axis < 2; axis++) {
+		int64_t span = (int64_t)pkg->meta->max_mm[axis] - pkg->meta->min_mm[axis] + 1;
+		int64_t middle = ((int64_t)chunk->min_mm[axis] + chunk->max_mm[axis]) / 2 - pkg->meta->min_mm[axis];
+		middle = middle < 0 ? 0 : middle >= span ? span - 1 : middle;
+		at[axis] = (uint32_t)(middle * 0xFFFF / span);
+	}
+	return hilbert(at[0], at[1]);
+}
+
+/* Squared distance from the eye to the chunk's box, m^2. */
+static uint64_t distance_key(const struct pkg_chunk *chunk, const int64_t eye_mm[3])
+{
+	uint64_t sum = 0;
+	for (int axis = 0; axis < 3; axis++) {
+		int64_t low = chunk->min_mm[axis] - eye_mm[axis], high = eye_mm[axis] - chunk->max_mm[axis];
+		int64_t out = low > 0 ? low : high > 0 ? high : 0;
+		uint64_t m = (uint64_t)(out / 1000);
+		sum += m * m;
+	}
+	return sum;
+}
+
+static void swap_places(struct residency *residency, uint32_t a, uint32_t b)
+{
+	uint32_t id = residency->order[a];
+	residency->order[a] = residency->order[b];
+	residency->order[b] = id;
+	uint64_t key = residency->key[a];
+	residency->key[a] = residency->key[b];
+	residency->key[b] = key;
+}
+
+/* Ties go by chunk id, so the order depends on nothing but the input. */
+static bool comes_before(const struct residency *residency, uint32_t a, uint32_t b)
+{
+	if (residency->key[a] != residency->key[b])
+		return residency->key[a] < residency->key[b];
+	return residency->order[a] < residency->order[b];
+}
+
+static void sift_down(struct residency *residency, uint32_t at, uint32_t count)
+{
+	for (;;) {
+		uint32_t child = at * 2 + 1;
+		if (child >= count)
+			return;
+		if (child + 1 < count && comes_before(residency, child, child + 1))
+			child++;
+		if (!comes_before(residency, at, child))
+			return;
+		swap_places(residency, at, child);
+		at = child;
+	}
+}
+
+/* Heap sort: in place, no allocation, never quadratic (qsort() may call malloc). */
+static void sort_order(struct residency *residency)
+{
+	uint32_t count = residency->pkg->chunk_count;
+	for (uint32_t i = count / 2; i-- > 0;)
+		sift_down(residency, i, count);
+	for (uint32_t end = count; end-- > 1;) {
+		swap_places(residency, 0, end);
+		sift_down(residency, 0, end);
+	}
+}
+
+static void resort(struct residency *residency, const int64_t eye_mm[3])
+{
+	bool moved = !residency->sorted;
+	for (int axis = 0; axis < 3; axis++) {
+		int64_t d = eye_mm[axis] - residency->sorted_at_mm[axis];
+		moved = moved || d > RESORT_MM || d < -RESORT_MM;
+	}
+	if (!moved || (residency->whole && residency->sorted))
+		return;
+	for (uint32_t i = 0; i < residency->pkg->chunk_count; i++) {
+		const struct pkg_chunk *chunk = &residency->pkg->chunks[residency->order[i]];
+		residency->key[i] = residency->whole ? curve_key(residency->pkg, chunk) : distance_key(chunk, eye_mm);
+	}
+	sort_order(residency);
+	residency->sorted = true;
+	for (int axis = 0; axis < 3; axis++)
+		residency->sorted_at_mm[axis] = eye_mm[axis];
+}
+
+static void unplace(struct residency *residency, uint32_t id)
+{
+	const struct residency_chunk *chunk = &residency->chunks[id];
+	range_pool_give(&residency->vertices, chunk->first_vertex, residency->pkg->chunks[id].vertex_count);
+	range_pool_give(&residency->indices, chunk->first_index, chunk->index_count);
+}
+
+static void evict(struct residency *residency, uint32_t id)
+{
+	unplace(residency, id);
+	residency->chunks[id].state = RESIDENCY_ABSENT;
+	residency->present--;
+	residency->evicted++;
+}
+
+static bool place(struct residency *residency, uint32_t id)
+{
+	struct residency_chunk *chunk = &residency->chunks[id];
+	uint32_t vertices = residency->pkg->chunks[id].vertex_count;
+	uint32_t first = range_pool_take(&residency->vertices, vertices);
+	if (first == RANGE_NONE)
+		return false;
+	chunk->first_index = range_pool_take(&residency->indices, chunk->index_count);
+	if (chunk->first_index == RANGE_NONE) {
+		range_pool_give(&residency->vertices, first, vertices);
+		return false;
+	}
+	chunk->first_vertex = first;
+	return true;
+}
+
+/* Places the chunk at order[at]; chunks clearly farther away (10 % and 50 m, against to and fro) make room for it. */
+static bool place_nearer(struct residency *residency, uint32_t at, uint32_t *last)
+{
+	uint64_t key = residency->key[at], farther = key + key / 4 + 2500;
+	while (!place(residency, residency->order[at])) {
+		while (*last > at && residency->chunks[residency->order[*last]].state != RESIDENCY_PRESENT)
+			--*last;
+		if (*last <= at || residency->key[*last] <= farther)
+			return false;
+		evict(residency, residency->order[*last]);
+	}
+	return true;
+}
+
+static bool sound(struct residency *residency, uint32_t id)
+{
+	struct pkg_fault fault;
+	if (!pkg_chunk_check(residency->pkg, id, &fault))
+		return true;
+	residency->chunks[id].state = RESIDENCY_DAMAGED;
+	residency->damaged++;
+	log_warn("chunk %u is damaged and left out: %s", (unsigned)id, fault.text);
+	return false;
+}
+
+void residency_update(struct residency *residency, const int64_t eye_mm[3], int64_t far_mm, uint64_t slice_bytes,
+	residency_upload upload, void *context)
+{
+	uint32_t count = residency->pkg->chunk_count;
+	if (!count || (residency->whole && residency->present + residency->damaged == count))
+		return;
+	resort(residency, eye_mm);
+	uint64_t far_m = (uint64_t)(far_mm / 1000), used = 0;
+	bool full = false;
+	uint32_t last = count - 1;
+	residency->pending_bytes = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t id = residency->order[i];
+		struct residency_chunk *chunk = &residency->chunks[id];
+		if (!residency->whole && residency->key[i] > far_m * far_m)
+			break;
+		if (chunk->state != RESIDENCY_ABSENT)
+			continue;
+		uint64_t bytes = chunk_bytes(&residency->pkg->chunks[id]);
+		if (full || (used && used + bytes > slice_bytes)) {
+			residency->pending_bytes += bytes;
+			continue;
+		}
+		if (!place_nearer(residency, i, &last)) {
+			residency->dropped++;
+			residency->pending_bytes += bytes;
+			full = true;
+			continue;
+		}
+		if (!sound(residency, id)) {
+			unplace(residency, id);
+			continue;
+		}
+		chunk->state = RESIDENCY_PRESENT;
+		residency->present++;
+		upload(context, id, chunk);
+		used += bytes;
+	}
+}

@@ -1,0 +1,55 @@
+/*
+ * Which chunks of a package are in memory, and where: one fixed pool of vertices, one of indices, reserved once. When
+ * the whole city fits, everything is loaded at start in the order of a Hilbert curve. Otherwise the nearest chunks are
+ * loaded first, a slice of bytes a frame, and the farthest make place. No GL here: the caller uploads.
+ */
+#ifndef BLVD_ASSETS_RESIDENCY_H
+#define BLVD_ASSETS_RESIDENCY_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "assets/pkg.h"
+#include "assets/range_pool.h"
+
+enum residency_state {
+	RESIDENCY_ABSENT,
+	RESIDENCY_PRESENT,
+	RESIDENCY_DAMAGED, /* its bytes failed pkg_chunk_check(); never loaded */
+};
+struct residency_chunk {
+	uint32_t first_vertex, first_index; /* in the pools, when present */
+	uint32_t index_count;
+	uint8_t state; /* enum residency_state */
+};
+
+/* Copies a chunk's bytes to its place in the pools; the ranges are the chunk's own. */
+typedef void (*residency_upload)(void *context, uint32_t chunk, const struct residency_chunk *place);
+
+struct residency {
+	const struct pkg *pkg;
+	struct residency_chunk *chunks; /* one per chunk of the package */
+	uint32_t *order;                /* chunk ids; nearest first, or along the curve */
+	uint64_t *key;                  /* of order[i] */
+	struct range_pool vertices, indices;
+	bool whole; /* everything fits */
+	bool sorted;
+	int64_t sorted_at_mm[3];
+	uint32_t present, damaged;
+	uint64_t dropped, evicted; /* since start */
+	uint64_t pending_bytes;    /* wanted, not present, after the last update */
+};
+
+/* Bytes of all of a package's chunks. */
+void residency_totals(const struct pkg *pkg, uint64_t *vertices, uint64_t *indices);
+
+/* Capacities in vertices and indices. Returns 0 or -ENOMEM. */
+int residency_init(struct residency *residency, struct arena *arena, const struct pkg *pkg, uint32_t vertex_capacity,
+	uint32_t index_capacity);
+
+/* Loads at most `slice_bytes` (but at least one chunk, when one is wanted) of what is nearest to the eye and within
+ * `far_mm`; evicts what is farther than that when the pools are full. */
+void residency_update(struct residency *residency, const int64_t eye_mm[3], int64_t far_mm, uint64_t slice_bytes,
+	residency_upload upload, void *context);
+
+#endif
