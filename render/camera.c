@@ -103,7 +103,8 @@ static bool must_cut(const struct camera *camera, const struct nav_view *nav)
 /* The street's slope under the car, taken anew every few metres. Signed along the car's nose. */
 static double slope_of(struct camera *camera, const struct nav_view *nav)
 {
-	double east = (double)(nav->pos_mm[0] - camera->slope_mm[0]), north = (double)(nav->pos_mm[1] - camera->slope_mm[1]);
+	double east = (double)(nav->pos_mm[0] - camera->slope_mm[0]),
+		   north = (double)(nav->pos_mm[1] - camera->slope_mm[1]);
 	double run = hypot(east, north);
 	if (run < SLOPE_STEP_MM)
 		return camera->target_slope;
@@ -152,7 +153,8 @@ static int64_t mm(double metres)
 }
 
 /* Pulls the eye towards the car at once when something is in the way, and lets it back slowly. */
-static void keep_clear(struct camera *camera, const struct nav_view *nav, const struct obstacles *obstacles, double dt_s)
+static void keep_clear(
+	struct camera *camera, const struct nav_view *nav, const struct obstacles *obstacles, double dt_s)
 {
 	int64_t *eye = camera->pose.eye_mm;
 	if (overview(camera->kind)) {
@@ -214,7 +216,8 @@ static struct mat4 projection(const struct view *view, double near_m, double far
 void camera_view(
 	const struct camera_pose *pose, uint32_t width, uint32_t height, double split_m, double far_m, struct view *out)
 {
-	double ch = cos(pose->heading_rad), sh = sin(pose->heading_rad), cp = cos(pose->pitch_rad), sp = sin(pose->pitch_rad);
+	double ch = cos(pose->heading_rad), sh = sin(pose->heading_rad), cp = cos(pose->pitch_rad),
+		   sp = sin(pose->pitch_rad);
 	*out = (struct view){
 		.eye_mm = { pose->eye_mm[0], pose->eye_mm[1], pose->eye_mm[2] },
 		.right = { (float)ch, (float)-sh, 0.0f },
@@ -232,10 +235,9 @@ void camera_view(
 		.far_m = (float)(split_m * (1.0 + SLICE_OVERLAP)),
 		.depth_near = 0.0f,
 		.depth_far = 0.5f };
-	out->slice[VIEW_FAR] = (struct view_slice){ .near_m = (float)(split_m * (1.0 - SLICE_OVERLAP)),
-		.far_m = (float)far_m,
-		.depth_near = 0.5f,
-		.depth_far = 1.0f };
+	out->slice[VIEW_FAR] = (struct view_slice){
+		.near_m = (float)(split_m * (1.0 - SLICE_OVERLAP)), .far_m = (float)far_m, .depth_near = 0.5f, .depth_far = 1.0f
+	};
 	for (int i = 0; i < VIEW_SLICE_COUNT; i++)
 		out->slice[i].clip_from_eye = projection(out, out->slice[i].near_m, out->slice[i].far_m);
 }

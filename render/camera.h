@@ -47,9 +47,9 @@ struct camera {
 	struct spring back, up, pitch, turn; /* behind and above the car, m; rad; heading, rad, unwrapped */
 	struct spring climb, slope;          /* the car's height, m; the street's slope */
 	double target_turn, target_climb, target_slope;
-	double reach;                        /* 0 to 1: how far of the way to its place the eye may go */
-	int64_t car_mm[3];                   /* when last seen */
-	int64_t slope_mm[3];                 /* where the slope was last taken */
+	double reach;        /* 0 to 1: how far of the way to its place the eye may go */
+	int64_t car_mm[3];   /* when last seen */
+	int64_t slope_mm[3]; /* where the slope was last taken */
 	struct camera_pose pose;
 };
 

@@ -156,6 +156,7 @@ struct gfx_draw {
 
 /* What the context can do beyond ES 3.0; probed once. */
 struct gfx_caps {
+	bool software; /* drawn by the CPU */
 	bool base_vertex;
 	bool anisotropy;
 	bool clip_control;
@@ -239,6 +240,8 @@ void gfx_present(struct gfx *gfx, gfx_target target, uint32_t width, uint32_t he
 /* Resolved colour, RGBA8, first row is the top of the picture: width * height * 4 bytes. Outside passes; waits. */
 void gfx_read_rgba8(struct gfx *gfx, gfx_target target, void *out);
 
+/* Bytes of a region of texels in a format. */
+uint64_t gfx_format_bytes(enum gfx_format format, uint32_t width, uint32_t height, uint32_t layers);
 /* Exact size on the GPU of an object so described. */
 uint64_t gfx_buffer_bytes(const struct gfx_buffer_desc *desc);
 uint64_t gfx_texture_bytes(const struct gfx_texture_desc *desc);

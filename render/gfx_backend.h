@@ -89,7 +89,4 @@ struct gfx_target_slot *gfx_target_at(const struct gfx *gfx, gfx_target target);
 struct gfx_program_slot *gfx_program_at(const struct gfx *gfx, gfx_program program);
 struct gfx_pipeline_slot *gfx_pipeline_at(const struct gfx *gfx, gfx_pipeline pipeline);
 
-/* Bytes of a region of texels in a format. */
-uint64_t gfx_format_bytes(enum gfx_format format, uint32_t width, uint32_t height, uint32_t layers);
-
 #endif

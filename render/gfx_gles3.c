@@ -92,7 +92,11 @@ static void probe(struct gfx *gfx, struct gles3 *gl, int version)
 	struct gfx_caps *caps = &gfx->caps;
 	gl->draw_base_vertex = probe_base_vertex(gfx, version);
 	caps->base_vertex = gl->draw_base_vertex != NULL;
-	caps->anisotropy = has_extension("GL_EXT_texture_filter_anisotropic");
+	snprintf(caps->renderer, sizeof(caps->renderer), "%s", (const char *)glGetString(GL_RENDERER));
+	snprintf(caps->version, sizeof(caps->version), "%s", (const char *)glGetString(GL_VERSION));
+	caps->software = strstr(caps->renderer, "llvmpipe") || strstr(caps->renderer, "softpipe");
+	/* llvmpipe of Mesa 22.3 offers it, is slow with it, and loops for ever on some derivatives */
+	caps->anisotropy = !caps->software && has_extension("GL_EXT_texture_filter_anisotropic");
 	if (caps->anisotropy)
 		glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY_EXT, &caps->max_anisotropy);
 	caps->clip_control = has_extension("GL_EXT_clip_control");
@@ -100,8 +104,6 @@ static void probe(struct gfx *gfx, struct gles3 *gl, int version)
 	caps->max_samples = get_u32(GL_MAX_SAMPLES);
 	caps->max_texture_px = get_u32(GL_MAX_TEXTURE_SIZE);
 	caps->max_array_layers = get_u32(GL_MAX_ARRAY_TEXTURE_LAYERS);
-	snprintf(caps->renderer, sizeof(caps->renderer), "%s", (const char *)glGetString(GL_RENDERER));
-	snprintf(caps->version, sizeof(caps->version), "%s", (const char *)glGetString(GL_VERSION));
 	log_info("OpenGL: %s, %s", caps->renderer, caps->version);
 }
 

@@ -85,7 +85,8 @@ static void ray_meets_object(struct ray *ray, const struct pkg *pkg, const struc
 
 static bool solid(const struct pkg_object *object)
 {
-	return object->kind == PKG_OBJECT_BUILDING || object->kind == PKG_OBJECT_BRIDGE || object->kind == PKG_OBJECT_TUNNEL;
+	return object->kind == PKG_OBJECT_BUILDING || object->kind == PKG_OBJECT_BRIDGE ||
+		   object->kind == PKG_OBJECT_TUNNEL;
 }
 
 static void cast(const struct obstacles *obstacles, struct ray *ray)
@@ -109,7 +110,8 @@ static struct dvec3 metres(const int64_t at_mm[3])
 	return (struct dvec3){ (double)at_mm[0] * 1e-3, (double)at_mm[1] * 1e-3, (double)at_mm[2] * 1e-3 };
 }
 
-double obstacles_reach(const struct obstacles *obstacles, const int64_t from_mm[3], const int64_t to_mm[3], double clear_m)
+double obstacles_reach(
+	const struct obstacles *obstacles, const int64_t from_mm[3], const int64_t to_mm[3], double clear_m)
 {
 	struct dvec3 from = metres(from_mm), way = sub(metres(to_mm), from);
 	double length = sqrt(dot(way, way));
@@ -118,7 +120,8 @@ double obstacles_reach(const struct obstacles *obstacles, const int64_t from_mm[
 	/* a bundle of rays as wide as the near plane needs */
 	double flat = fmax(hypot(way.x, way.y), 1e-9);
 	struct dvec3 side = { way.y / flat * clear_m, -way.x / flat * clear_m, 0.0 };
-	const struct dvec3 shifts[] = { { 0, 0, 0 }, side, { -side.x, -side.y, 0.0 }, { 0, 0, clear_m }, { 0, 0, -clear_m } };
+	const struct dvec3 shifts[] = { { 0, 0, 0 }, side, { -side.x, -side.y, 0.0 }, { 0, 0, clear_m },
+		{ 0, 0, -clear_m } };
 	double reach = 1.0, past = (length + clear_m) / length;
 	for (size_t i = 0; i < sizeof(shifts) / sizeof(shifts[0]); i++) {
 		struct ray ray = { .way = { way.x * past, way.y * past, way.z * past }, .hit = 1.0 };

@@ -1,6 +1,6 @@
 /*
- * What of the city stands in a camera's way: rays against the triangles of buildings, bridges and tunnels, read from the
- * mapped package, and the ground below. Only chunks that have passed their check are looked into.
+ * What of the city stands in a camera's way: rays against the triangles of buildings, bridges and tunnels, read from
+ * the mapped package, and the ground below. Only chunks that have passed their check are looked into.
  */
 #ifndef BLVD_RENDER_OBSTACLES_H
 #define BLVD_RENDER_OBSTACLES_H
@@ -17,7 +17,8 @@ struct obstacles {
 };
 
 /* How far of the way `from` -> `to` (city frame, mm) is free of walls by `clear_m` metres: 0 to 1. */
-double obstacles_reach(const struct obstacles *obstacles, const int64_t from_mm[3], const int64_t to_mm[3], double clear_m);
+double obstacles_reach(
+	const struct obstacles *obstacles, const int64_t from_mm[3], const int64_t to_mm[3], double clear_m);
 
 /* Is there something solid straight above the point, within `up_m` metres? The eye is then inside a building (or under
  * a bridge, which is no fault). */

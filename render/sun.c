@@ -20,7 +20,7 @@ static void solar_coordinates(double t, double *declination, double *equation_of
 	double anomaly = rad(357.52911 + t * (35999.05029 - t * 0.0001537));
 	double eccentricity = 0.016708634 - t * (0.000042037 + t * 0.0000001267);
 	double center = sin(anomaly) * (1.914602 - t * (0.004817 + t * 0.000014)) +
-		sin(2.0 * anomaly) * (0.019993 - t * 0.000101) + sin(3.0 * anomaly) * 0.000289;
+					sin(2.0 * anomaly) * (0.019993 - t * 0.000101) + sin(3.0 * anomaly) * 0.000289;
 	double node = rad(125.04 - 1934.136 * t);
 	double apparent = mean_longitude + rad(center - 0.00569 - 0.00478 * sin(node));
 	double seconds = 21.448 - t * (46.815 + t * (0.00059 - t * 0.001813));
@@ -28,8 +28,8 @@ static void solar_coordinates(double t, double *declination, double *equation_of
 	*declination = asin(sin(obliquity) * sin(apparent));
 	double y = tan(obliquity / 2.0) * tan(obliquity / 2.0);
 	double radians = y * sin(2.0 * mean_longitude) - 2.0 * eccentricity * sin(anomaly) +
-		4.0 * eccentricity * y * sin(anomaly) * cos(2.0 * mean_longitude) - 0.5 * y * y * sin(4.0 * mean_longitude) -
-		1.25 * eccentricity * eccentricity * sin(2.0 * anomaly);
+					 4.0 * eccentricity * y * sin(anomaly) * cos(2.0 * mean_longitude) -
+					 0.5 * y * y * sin(4.0 * mean_longitude) - 1.25 * eccentricity * eccentricity * sin(2.0 * anomaly);
 	*equation_of_time = 4.0 * deg(radians);
 }
 
@@ -56,8 +56,8 @@ struct palette {
 	struct vec3 sun, sky, ground, haze, zenith;
 };
 
-/* Linear light. Day: high sun; dusk: sun on the horizon; night: moon. Kept a little below white so that the route, drawn
- * on top, stays the brightest thing. */
+/* Linear light. Day: high sun; dusk: sun on the horizon; night: moon. Kept a little below white so that the route,
+ * drawn on top, stays the brightest thing. */
 static const struct palette day = {
 	.sun = { 0.96f, 0.88f, 0.76f },
 	.sky = { 0.50f, 0.56f, 0.66f },

@@ -26,16 +26,17 @@ struct light_state {
 	struct vec3 ground;    /* ambient from below */
 	struct vec3 haze;      /* at the horizon */
 	struct vec3 zenith;
-	float night;        /* 0 day to 1 night */
-	float lamps;        /* street lamps, 0 off to 1 */
-	float windows_lit;  /* share of windows */
-	float shops_lit;    /* share of shop fronts */
-	float stars;        /* 0 to 1 */
-	float haze_per_m;   /* extinction */
+	float night;       /* 0 day to 1 night */
+	float lamps;       /* street lamps, 0 off to 1 */
+	float windows_lit; /* share of windows */
+	float shops_lit;   /* share of shop fronts */
+	float stars;       /* 0 to 1 */
+	float haze_per_m;  /* extinction */
 };
 
 /* `local_hour` is 0 to 24 of the city's clock: people's windows follow it, not the sun. `ambient` 0 to 1 darkens a day,
  * negative is unknown. */
-void sun_light(const struct sun_position *sun, double local_hour, double ambient, bool force_night, struct light_state *out);
+void sun_light(
+	const struct sun_position *sun, double local_hour, double ambient, bool force_night, struct light_state *out);
 
 #endif

@@ -16,6 +16,7 @@ static const struct command {
 	{ "drive", cmd_drive, "a driven route as a CAN log" },
 	{ "inspect", cmd_inspect, "what is in a package" },
 	{ "verify", cmd_verify, "every check a package must pass" },
+	{ "shot", cmd_shot, "a still picture of a package from any pose" },
 	{ NULL, NULL, NULL },
 };
 

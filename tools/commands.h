@@ -17,5 +17,6 @@ int cmd_drive(int argc, char **argv);
 int cmd_compare(int argc, char **argv);
 int cmd_inspect(int argc, char **argv);
 int cmd_verify(int argc, char **argv);
+int cmd_shot(int argc, char **argv);
 
 #endif

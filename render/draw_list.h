@@ -1,0 +1,37 @@
+/*
+ * The frame's draws, packed for sorting: nearest slice first, opaque before decals, front to back. Capacity is fixed;
+ * what does not fit is dropped and counted.
+ */
+#ifndef BLVD_RENDER_DRAW_LIST_H
+#define BLVD_RENDER_DRAW_LIST_H
+
+#include <stdint.h>
+
+#include "assets/pkg_format.h"
+#include "platform/base/arena.h"
+#include "render/view.h"
+
+struct draw_item {
+	uint64_t key;
+	uint32_t chunk;
+	uint32_t first, count; /* indices, from the chunk's first */
+	uint8_t slice;         /* enum view_slice_id */
+	uint8_t pass;          /* enum pkg_pass */
+	uint8_t opacity;       /* 255 solid; less is dissolved */
+};
+
+struct draw_list {
+	struct draw_item *items, *spare; /* `spare` is the sort's other half */
+	uint32_t count, capacity;
+	uint64_t dropped; /* since start */
+};
+
+/* Returns 0 or -ENOMEM. */
+int draw_list_init(struct draw_list *list, struct arena *arena, uint32_t capacity);
+void draw_list_clear(struct draw_list *list);
+/* Fills in the key; `depth_m` is the distance to sort by, >= 0. Draws of no index are left out. */
+void draw_list_add(struct draw_list *list, const struct draw_item *item, float depth_m);
+/* Stable, so equal keys keep the order they were added in. */
+void draw_list_sort(struct draw_list *list);
+
+#endif

@@ -1,0 +1,254 @@
+/* One frame from front to back: camera, light, loading, scene, passes. Owns all that the renderer has. */
+#include "render/frame.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+#include "platform/base/clock.h"
+#include "platform/base/log.h"
+#include "render/frame_block.h"
+#include "render/marker.h"
+#include "render/near_mesh.h"
+#include "render/scene.h"
+#include "render/sky.h"
+#include "render/submit.h"
+#include "render/sun.h"
+
+#define DEFAULT_SAMPLES 4
+#define DEFAULT_GPU_BYTES (UINT64_C(512) << 20)
+#define DEFAULT_SLICE_BYTES (UINT64_C(4) << 20)
+#define DEFAULT_FAR_M 6000.0
+#define DEFAULT_FOV_DEG 45.0
+#define SPLIT_M 150.0
+/* 21 June 2024, 08:30 UTC less the longitude: late morning, long light from the south-east */
+#define DEFAULT_WALL_S INT64_C(1718958600)
+
+struct renderer {
+	struct renderer_config config;
+	const struct pkg *pkg;
+	struct gfx *gfx;
+	gfx_target target;
+	gfx_buffer frame_block;
+	struct near_mesh mesh;
+	struct scene scene;
+	struct sky sky;
+	struct marker marker;
+	struct camera camera;
+	struct obstacles obstacles;
+	struct view view;
+	struct light_state light;
+	bool primed; /* the first frame has loaded all that it wanted */
+};
+
+static struct renderer_config with_defaults(const struct renderer_config *given)
+{
+	struct renderer_config config = *given;
+	config.samples = config.samples ? config.samples : DEFAULT_SAMPLES;
+	config.gpu_budget_bytes = config.gpu_budget_bytes ? config.gpu_budget_bytes : DEFAULT_GPU_BYTES;
+	config.upload_slice_bytes = config.upload_slice_bytes ? config.upload_slice_bytes : DEFAULT_SLICE_BYTES;
+	config.far_name = config.far_name ? config.far_name : "full";
+	config.gfx = config.gfx ? config.gfx : &gfx_gles3;
+	config.fov_deg = config.fov_deg > 0.0 ? fmin(120.0, fmax(10.0, config.fov_deg)) : DEFAULT_FOV_DEG;
+	config.far_m = config.far_m > 0.0 ? fmax(config.far_m, SPLIT_M * 2.0) : DEFAULT_FAR_M;
+	return config;
+}
+
+static int make_objects(struct renderer *renderer, struct arena *arena)
+{
+	const struct renderer_config *config = &renderer->config;
+	struct gfx_config gfx_config = { .get_proc = config->get_proc };
+	int err = gfx_init(&renderer->gfx, arena, config->gfx, &gfx_config);
+	if (err)
+		return err;
+	struct gfx_target_desc target = { config->width, config->height, config->samples };
+	struct gfx_buffer_desc block = {
+		.kind = GFX_BUFFER_UNIFORM, .usage = GFX_STREAM, .bytes = sizeof(struct frame_block)
+	};
+	err = gfx_target_create(renderer->gfx, &target, &renderer->target);
+	if (!err)
+		err = gfx_buffer_create(renderer->gfx, &block, &renderer->frame_block);
+	if (!err)
+		err = sky_init(&renderer->sky, renderer->gfx);
+	if (!err)
+		err = marker_init(&renderer->marker, renderer->gfx);
+	return err;
+}
+
+static int make_scene(struct renderer *renderer, struct arena *arena, const struct repr_ops *far_ops)
+{
+	int err = near_mesh_init(&renderer->mesh, arena, renderer->gfx, renderer->pkg, renderer->config.gpu_budget_bytes);
+	if (!err)
+		err = scene_init(&renderer->scene, arena, &renderer->mesh, far_ops);
+	if (err)
+		return err;
+	renderer->obstacles = (struct obstacles){ .pkg = renderer->pkg, .residency = &renderer->mesh.residency };
+	camera_init(&renderer->camera, renderer->config.fov_deg * (BLVD_PI / 180.0));
+	/* when the whole city fits, the eye does not matter */
+	if (renderer->mesh.residency.whole)
+		near_mesh_load(&renderer->mesh, (const int64_t[3]){ 0 }, renderer->config.far_m, UINT64_MAX);
+	return 0;
+}
+
+int renderer_init(
+	struct renderer **out, struct arena *city_arena, const struct renderer_config *config, const struct pkg *pkg)
+{
+	*out = NULL;
+	struct renderer *renderer = ARENA_ARRAY(city_arena, struct renderer, 1);
+	if (!renderer)
+		return -ENOMEM;
+	renderer->config = with_defaults(config);
+	renderer->pkg = pkg;
+	const struct repr_ops *far_ops = repr_by_name(renderer->config.far_name);
+	if (!far_ops) {
+		log_error("no representation '%s'", renderer->config.far_name);
+		return -EINVAL;
+	}
+	int err = make_objects(renderer, city_arena);
+	if (!err)
+		err = make_scene(renderer, city_arena, far_ops);
+	if (err) {
+		log_error("renderer: cannot start: %s", strerror(-err));
+		renderer_finish(renderer);
+		return err;
+	}
+	*out = renderer;
+	return 0;
+}
+
+void renderer_finish(struct renderer *renderer)
+{
+	if (!renderer || !renderer->gfx)
+		return;
+	scene_finish(&renderer->scene);
+	gfx_finish(renderer->gfx);
+	renderer->gfx = NULL;
+}
+
+/* The city's clock: the log's zone when the package knows it, else the sun's. */
+static double local_hour(const struct pkg *pkg, int64_t wall_ns)
+{
+	double zone_minutes = (double)(int32_t)pkg->meta->utc_offset_minutes;
+	if (pkg->meta->utc_offset_minutes == 0)
+		zone_minutes = pkg->meta->origin_lon_deg * 4.0;
+	double hours = (double)(wall_ns / NS_PER_S) / 3600.0 + zone_minutes / 60.0;
+	return hours - floor(hours / 24.0) * 24.0;
+}
+
+static void update_light(struct renderer *renderer, const struct renderer_time *time)
+{
+	const struct pkg_meta *meta = renderer->pkg->meta;
+	int64_t wall_ns = time->wall_ns;
+	if (!wall_ns)
+		wall_ns = (DEFAULT_WALL_S - llrint(meta->origin_lon_deg * 240.0)) * NS_PER_S;
+	struct sun_position sun = sun_at(wall_ns, meta->origin_lat_deg, meta->origin_lon_deg);
+	sun_light(&sun, local_hour(renderer->pkg, wall_ns), time->ambient, time->force_night, &renderer->light);
+}
+
+static void put(float out[4], struct vec3 v, float w)
+{
+	out[0] = v.x;
+	out[1] = v.y;
+	out[2] = v.z;
+	out[3] = w;
+}
+
+static void write_frame_block(struct renderer *renderer, const struct renderer_time *time)
+{
+	const struct light_state *light = &renderer->light;
+	const struct view *view = &renderer->view;
+	struct frame_block block;
+	put(block.sun_direction, light->direction, light->night);
+	put(block.sun_color, light->sun, light->lamps);
+	put(block.sky_color, light->sky, light->windows_lit);
+	put(block.ground_color, light->ground, light->shops_lit);
+	put(block.haze, light->haze, light->haze_per_m * 1.442695f); /* for exp2 */
+	put(block.zenith, light->zenith, light->stars);
+	struct vec3 eye = { (float)((double)(view->eye_mm[0] & 0xFFFFF) * 1e-3),
+		(float)((double)(view->eye_mm[1] & 0xFFFFF) * 1e-3), (float)((double)view->eye_mm[2] * 1e-3) };
+	put(block.eye, eye, (float)((double)(time->time_ns % (1024 * NS_PER_S)) / (double)NS_PER_S));
+	block.screen[0] = (float)view->width;
+	block.screen[1] = (float)view->height;
+	block.screen[2] = 1.0f / (float)view->width;
+	block.screen[3] = 1.0f / (float)view->height;
+	gfx_buffer_write(renderer->gfx, renderer->frame_block, 0, &block, sizeof(block));
+}
+
+static void load(struct renderer *renderer)
+{
+	uint64_t slice = renderer->primed ? renderer->config.upload_slice_bytes : UINT64_MAX;
+	near_mesh_load(&renderer->mesh, renderer->view.eye_mm, renderer->config.far_m, slice);
+	renderer->primed = true;
+}
+
+static void draw_frame(struct renderer *renderer, const struct camera_pose *pose, const struct nav_view *nav,
+	const struct renderer_time *time)
+{
+	struct camera_pose eye = *pose;
+	eye.fov_rad = eye.fov_rad > 0.0 ? eye.fov_rad : renderer->camera.fov_rad;
+	camera_view(
+		&eye, renderer->config.width, renderer->config.height, SPLIT_M, renderer->config.far_m, &renderer->view);
+	update_light(renderer, time);
+	gfx_frame_begin(renderer->gfx);
+	write_frame_block(renderer, time);
+	load(renderer);
+	scene_build(&renderer->scene, &renderer->view);
+
+	struct gfx_clear clear = { .color = true, .depth = true };
+	gfx_pass_begin(renderer->gfx, renderer->target, &clear);
+	submit(renderer->gfx, &renderer->mesh, &renderer->view, &renderer->scene.list, renderer->frame_block);
+	sky_draw(&renderer->sky, &renderer->view, renderer->frame_block);
+	if (nav)
+		marker_draw(&renderer->marker, &renderer->view, nav, renderer->camera.kind, renderer->light.night);
+	gfx_pass_end(renderer->gfx);
+}
+
+void renderer_draw(struct renderer *renderer, const struct nav_view *nav, const struct renderer_time *time)
+{
+	camera_follow(&renderer->camera, nav, &renderer->obstacles);
+	draw_frame(renderer, &renderer->camera.pose, nav, time);
+}
+
+void renderer_draw_pose(struct renderer *renderer, const struct camera_pose *pose, const struct renderer_time *time)
+{
+	renderer->primed = false; /* a still: everything it wants, at once */
+	draw_frame(renderer, pose, NULL, time);
+}
+
+struct camera *renderer_camera(struct renderer *renderer)
+{
+	return &renderer->camera;
+}
+
+void renderer_present(struct renderer *renderer, uint32_t width, uint32_t height)
+{
+	gfx_present(renderer->gfx, renderer->target, width, height);
+}
+
+void renderer_read_pixels(struct renderer *renderer, uint8_t *out)
+{
+	gfx_read_rgba8(renderer->gfx, renderer->target, out);
+}
+
+void renderer_stats(const struct renderer *renderer, struct renderer_stats *out)
+{
+	const struct gfx_stats *gfx = gfx_stats(renderer->gfx);
+	const struct residency *residency = &renderer->mesh.residency;
+	*out = (struct renderer_stats){
+		.frames = gfx->frames,
+		.draws = gfx->draws,
+		.triangles = gfx->triangles,
+		.far_triangles = renderer->scene.far_triangles,
+		.gpu_bytes = gfx->bytes,
+		.gpu_bytes_high_water = gfx->bytes_high_water,
+		.chunks = renderer->pkg->chunk_count,
+		.chunks_resident = residency->present,
+		.chunks_wanted_missing = renderer->scene.visible.missing,
+		.chunks_damaged = residency->damaged,
+		.chunks_dropped = residency->dropped,
+		.chunks_evicted = residency->evicted,
+		.upload_pending_bytes = residency->pending_bytes,
+		.gl_renderer = gfx_caps(renderer->gfx)->renderer,
+		.samples = gfx_target_samples(renderer->gfx, renderer->target),
+	};
+}

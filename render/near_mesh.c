@@ -1,0 +1,243 @@
+/* Uploads of geometry, materials, textures and the light map; emission of chunk draws. */
+#include "render/near_mesh.h"
+
+#include <errno.h>
+
+#include "platform/base/log.h"
+#include "render/frame_block.h"
+
+static const struct gfx_attribute vertex_layout[] = {
+	{ GFX_I32X3, offsetof(struct pkg_mesh_vertex, pos_mm) },
+	{ GFX_I8X2_SNORM, offsetof(struct pkg_mesh_vertex, normal_oct) },
+	{ GFX_U8X2, offsetof(struct pkg_mesh_vertex, ao) },
+	{ GFX_U16X2, offsetof(struct pkg_mesh_vertex, uv) },
+	{ GFX_U8X4_UNORM, offsetof(struct pkg_mesh_vertex, rgb) },
+};
+static_assert(offsetof(struct pkg_mesh_vertex, seed) == offsetof(struct pkg_mesh_vertex, rgb) + 3, "one attribute");
+static_assert(offsetof(struct pkg_mesh_vertex, material) == offsetof(struct pkg_mesh_vertex, ao) + 1, "one attribute");
+
+static int make_program(struct near_mesh *mesh, const char *defines, gfx_program *out)
+{
+	struct gfx_program_desc desc = {
+		.vertex = "city.vert",
+		.fragment = "city.frag",
+		.defines = defines,
+		.textures = { "u_textures", "u_light_map" },
+		.blocks = { "Frame", "Materials" },
+	};
+	return gfx_program_create(mesh->gfx, &desc, out);
+}
+
+static int make_pipeline(struct near_mesh *mesh, enum pkg_pass pass, int dissolved)
+{
+	bool decal = pass == PKG_PASS_DECAL;
+	struct gfx_pipeline_desc desc = {
+		.program = dissolved ? mesh->dissolved : mesh->solid,
+		.stride = sizeof(struct pkg_mesh_vertex),
+		.attribute_count = sizeof(vertex_layout) / sizeof(vertex_layout[0]),
+		.index = GFX_INDEX_U16,
+		.blend = decal ? GFX_BLEND : GFX_OPAQUE,
+		.depth = decal ? GFX_DEPTH_TEST : GFX_DEPTH_TEST_WRITE,
+		.cull_back = true,
+		.offset_factor = decal ? -1.0f : 0.0f,
+		.offset_units = decal ? -16.0f : 0.0f,
+	};
+	for (uint32_t i = 0; i < desc.attribute_count; i++)
+		desc.attributes[i] = vertex_layout[i];
+	return gfx_pipeline_create(mesh->gfx, &desc, &mesh->pipelines[pass][dissolved]);
+}
+
+static int make_pipelines(struct near_mesh *mesh)
+{
+	int err = make_program(mesh, NULL, &mesh->solid);
+	if (!err)
+		err = make_program(mesh, "#define FADE 1\n", &mesh->dissolved);
+	for (int pass = 0; pass < PKG_PASS_COUNT; pass++)
+		for (int dissolved = 0; dissolved < 2 && !err; dissolved++)
+			err = make_pipeline(mesh, (enum pkg_pass)pass, dissolved);
+	return err;
+}
+
+static int make_materials(struct near_mesh *mesh)
+{
+	struct materials_block block = { 0 };
+	for (uint32_t i = 0; i < mesh->pkg->material_count && i < 256; i++) {
+		const struct pkg_material *material = &mesh->pkg->materials[i];
+		block.row[i] = (struct material_row){
+			.mean = { material->mean_rgb[0], material->mean_rgb[1], material->mean_rgb[2], material->gloss / 255.0f },
+			.kind = { material->kind, material->layer, 0.0f, 0.0f },
+		};
+	}
+	struct gfx_buffer_desc desc = { .kind = GFX_BUFFER_UNIFORM, .bytes = sizeof(block), .data = &block };
+	return gfx_buffer_create(mesh->gfx, &desc, &mesh->materials);
+}
+
+static const uint8_t white[4] = { 255, 255, 255, 0 };
+
+/* Stands in for what the package does not have. */
+static int make_plain_texture(struct gfx *gfx, enum gfx_format format, uint32_t layers, gfx_texture *out)
+{
+	struct gfx_texture_desc desc = {
+		.format = format, .width = 1, .height = 1, .layers = layers, .filter = GFX_NEAREST
+	};
+	int err = gfx_texture_create(gfx, &desc, out);
+	if (err)
+		return err;
+	const uint8_t lit[4] = { 255, 0 };
+	struct gfx_region region = { .width = 1, .height = 1, .layers = 1 };
+	gfx_texture_write(gfx, *out, &region, format == GFX_RG8 ? lit : white);
+	return 0;
+}
+
+static int make_textures(struct near_mesh *mesh)
+{
+	static const enum gfx_format formats[] = { [PKG_TEXTURE_RGBA8] = GFX_RGBA8,
+		[PKG_TEXTURE_ETC2_RGBA] = GFX_ETC2_RGBA8,
+		[PKG_TEXTURE_R8] = GFX_R8,
+		[PKG_TEXTURE_RG8] = GFX_RG8 };
+	const struct pkg_texture_array *array = mesh->pkg->textures;
+	if (!array)
+		return make_plain_texture(mesh->gfx, GFX_RGBA8, 1, &mesh->textures);
+	/* decoded to linear light by the shader: filtering costs less so */
+	struct gfx_texture_desc desc = { .format = formats[array->format],
+		.width = array->width,
+		.height = array->height,
+		.layers = array->layers,
+		.levels = array->levels,
+		.filter = GFX_ANISOTROPIC,
+		.wrap = GFX_REPEAT };
+	int err = gfx_texture_create(mesh->gfx, &desc, &mesh->textures);
+	if (err)
+		return err;
+	const uint8_t *texels = mesh->pkg->texture_bytes;
+	for (uint32_t level = 0; level < array->levels; level++) {
+		uint32_t w = array->width >> level, h = array->height >> level;
+		struct gfx_region region = { .level = level, .width = w ? w : 1, .height = h ? h : 1, .layers = array->layers };
+		gfx_texture_write(mesh->gfx, mesh->textures, &region, texels);
+		texels += gfx_format_bytes(desc.format, region.width, region.height, region.layers);
+	}
+	return 0;
+}
+
+static int make_light_map(struct near_mesh *mesh)
+{
+	const struct pkg_light_map *map = mesh->pkg->light_map;
+	uint32_t limit = gfx_caps(mesh->gfx)->max_texture_px;
+	if (map && (map->width > limit || map->height > limit)) {
+		log_warn("light map of %u x %u is larger than this GPU's %u: left out", map->width, map->height, limit);
+		map = NULL;
+	}
+	if (!map)
+		return make_plain_texture(mesh->gfx, GFX_RG8, 0, &mesh->light_map);
+	struct gfx_texture_desc desc = {
+		.format = GFX_RG8, .width = map->width, .height = map->height, .filter = GFX_LINEAR
+	};
+	int err = gfx_texture_create(mesh->gfx, &desc, &mesh->light_map);
+	if (err)
+		return err;
+	struct gfx_region region = { .width = map->width, .height = map->height, .layers = 1 };
+	gfx_texture_write(mesh->gfx, mesh->light_map, &region, mesh->pkg->light_map_bytes);
+	return 0;
+}
+
+/* Pools in proportion to what the city has of each; at least one chunk's worth. */
+static int make_pools(struct near_mesh *mesh, struct arena *arena, uint64_t left_bytes)
+{
+	const uint64_t vertex_bytes = sizeof(struct pkg_mesh_vertex), limit = UINT32_MAX;
+	uint64_t vertices, indices;
+	residency_totals(mesh->pkg, &vertices, &indices);
+	uint64_t wanted = vertices * vertex_bytes + indices * 2;
+	if (wanted > left_bytes && wanted) {
+		double share = (double)left_bytes / (double)wanted;
+		vertices = (uint64_t)((double)vertices * share);
+		indices = (uint64_t)((double)indices * share);
+		log_info("the city's %.0f MiB of geometry are held %.0f MiB at a time", (double)wanted / 1048576.0,
+			(double)left_bytes / 1048576.0);
+	}
+	if (vertices > limit / vertex_bytes)
+		vertices = limit / vertex_bytes;
+	if (indices > limit / 2)
+		indices = limit / 2;
+	struct gfx_buffer_desc vertex_pool = { .kind = GFX_BUFFER_VERTEX, .bytes = (uint32_t)(vertices * vertex_bytes) };
+	struct gfx_buffer_desc index_pool = { .kind = GFX_BUFFER_INDEX, .bytes = (uint32_t)(indices * 2) };
+	vertex_pool.bytes = vertex_pool.bytes ? vertex_pool.bytes : (uint32_t)vertex_bytes;
+	index_pool.bytes = index_pool.bytes ? index_pool.bytes : 2;
+	int err = gfx_buffer_create(mesh->gfx, &vertex_pool, &mesh->vertices);
+	if (!err)
+		err = gfx_buffer_create(mesh->gfx, &index_pool, &mesh->indices);
+	if (!err)
+		err = residency_init(&mesh->residency, arena, mesh->pkg, (uint32_t)vertices, (uint32_t)indices);
+	return err;
+}
+
+int near_mesh_init(
+	struct near_mesh *mesh, struct arena *arena, struct gfx *gfx, const struct pkg *pkg, uint64_t budget_bytes)
+{
+	*mesh = (struct near_mesh){ .gfx = gfx, .pkg = pkg };
+	int err = make_pipelines(mesh);
+	if (!err)
+		err = make_materials(mesh);
+	if (!err)
+		err = make_textures(mesh);
+	if (!err)
+		err = make_light_map(mesh);
+	if (err)
+		return err;
+	uint64_t used = gfx_stats(gfx)->bytes;
+	if (used >= budget_bytes) {
+		log_error("memory budget of %.0f MiB for the GPU: %.0f MiB are needed before any geometry",
+			(double)budget_bytes / 1048576.0, (double)used / 1048576.0);
+		return -ENOMEM;
+	}
+	return make_pools(mesh, arena, budget_bytes - used);
+}
+
+void near_mesh_finish(struct near_mesh *mesh)
+{
+	if (!mesh->gfx)
+		return;
+	for (int pass = 0; pass < PKG_PASS_COUNT; pass++)
+		for (int dissolved = 0; dissolved < 2; dissolved++)
+			gfx_pipeline_destroy(mesh->gfx, mesh->pipelines[pass][dissolved]);
+	gfx_program_destroy(mesh->gfx, mesh->solid);
+	gfx_program_destroy(mesh->gfx, mesh->dissolved);
+	gfx_texture_destroy(mesh->gfx, mesh->light_map);
+	gfx_texture_destroy(mesh->gfx, mesh->textures);
+	gfx_buffer_destroy(mesh->gfx, mesh->materials);
+	gfx_buffer_destroy(mesh->gfx, mesh->indices);
+	gfx_buffer_destroy(mesh->gfx, mesh->vertices);
+	*mesh = (struct near_mesh){ 0 };
+}
+
+static void upload(void *context, uint32_t id, const struct residency_chunk *place)
+{
+	struct near_mesh *mesh = context;
+	const struct pkg_chunk *chunk = &mesh->pkg->chunks[id];
+	const uint32_t vertex_bytes = sizeof(struct pkg_mesh_vertex);
+	gfx_buffer_write(mesh->gfx, mesh->vertices, place->first_vertex * vertex_bytes,
+		pkg_chunk_vertices(mesh->pkg, chunk), chunk->vertex_count * vertex_bytes);
+	gfx_buffer_write(
+		mesh->gfx, mesh->indices, place->first_index * 2, pkg_chunk_indices(mesh->pkg, chunk), place->index_count * 2);
+}
+
+void near_mesh_load(struct near_mesh *mesh, const int64_t eye_mm[3], double far_m, uint64_t slice_bytes)
+{
+	residency_update(&mesh->residency, eye_mm, (int64_t)(far_m * 1000.0), slice_bytes, upload, mesh);
+}
+
+bool near_mesh_has(const struct near_mesh *mesh, uint32_t chunk)
+{
+	return mesh->residency.chunks[chunk].state == RESIDENCY_PRESENT;
+}
+
+void near_mesh_emit(
+	const struct near_mesh *mesh, struct draw_list *list, uint32_t chunk, enum view_slice_id slice, float depth_m)
+{
+	struct draw_item item = { .chunk = chunk, .slice = (uint8_t)slice, .opacity = 255 };
+	for (int pass = 0; pass < PKG_PASS_COUNT; pass++) {
+		item.pass = (uint8_t)pass;
+		item.count = mesh->pkg->chunks[chunk].index_count[pass];
+		draw_list_add(list, &item, depth_m);
+		item.first += item.count;
+	}
+}

@@ -1,0 +1,40 @@
+/*
+ * The city's own triangles on the GPU: one vertex and one index pool, reserved at start, filled by assets/residency.
+ */
+#ifndef BLVD_RENDER_NEAR_MESH_H
+#define BLVD_RENDER_NEAR_MESH_H
+
+#include <stdint.h>
+
+#include "assets/residency.h"
+#include "render/draw_list.h"
+#include "render/gfx.h"
+#include "render/view.h"
+
+struct near_mesh {
+	struct gfx *gfx;
+	const struct pkg *pkg;
+	struct residency residency;
+	gfx_buffer vertices, indices;
+	gfx_buffer materials;
+	gfx_texture textures, light_map;
+	gfx_program solid, dissolved;
+	gfx_pipeline pipelines[PKG_PASS_COUNT][2]; /* [pass][dissolved] */
+};
+
+/* Makes all GL objects; the pools take what the city needs, or what is left of `budget_bytes`. Returns 0, -ENOMEM or
+ * -EINVAL. */
+int near_mesh_init(
+	struct near_mesh *mesh, struct arena *arena, struct gfx *gfx, const struct pkg *pkg, uint64_t budget_bytes);
+void near_mesh_finish(struct near_mesh *mesh);
+
+void near_mesh_load(struct near_mesh *mesh, const int64_t eye_mm[3], double far_m, uint64_t slice_bytes);
+
+/* A resident chunk, all passes, in one slice. */
+void near_mesh_emit(
+	const struct near_mesh *mesh, struct draw_list *list, uint32_t chunk, enum view_slice_id slice, float depth_m);
+
+/* Is the chunk's geometry on the GPU? */
+bool near_mesh_has(const struct near_mesh *mesh, uint32_t chunk);
+
+#endif

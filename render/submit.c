@@ -1,0 +1,70 @@
+#include "render/submit.h"
+
+#include <string.h>
+
+/* u_draw of city.vert. */
+struct city_constants {
+	float origin_mm[3], opacity;
+	struct mat4 clip_from_mm;
+	float light_map[4];
+};
+static_assert(sizeof(struct city_constants) == 6 * 4 * sizeof(float), "u_draw[6]");
+
+static struct mat4 from_mm(const struct mat4 *from_m)
+{
+	struct mat4 out = *from_m;
+	for (int i = 0; i < 12; i++)
+		out.m[i] *= 0.001f;
+	return out;
+}
+
+/* Light map coordinate of the eye, and coordinates per metre; without a map everything samples its one texel. */
+static void light_map_frame(const struct pkg *pkg, const struct view *view, float out[4])
+{
+	const struct pkg_light_map *map = pkg->light_map;
+	if (!map)
+		return;
+	double size_mm[2] = { (double)map->width * map->texel_mm, (double)map->height * map->texel_mm };
+	for (int axis = 0; axis < 2; axis++) {
+		out[axis] = (float)((double)(view->eye_mm[axis] - map->origin_mm[axis]) / size_mm[axis]);
+		out[axis + 2] = (float)(1000.0 / size_mm[axis]);
+	}
+}
+
+static void set_origin(struct city_constants *constants, const struct view *view, const struct pkg_chunk *chunk)
+{
+	for (int axis = 0; axis < 3; axis++)
+		constants->origin_mm[axis] = (float)(chunk->origin_mm[axis] - view->eye_mm[axis]);
+}
+
+void submit(struct gfx *gfx, const struct near_mesh *mesh, const struct view *view, const struct draw_list *list,
+	gfx_buffer frame_block)
+{
+	struct city_constants constants = { 0 };
+	light_map_frame(mesh->pkg, view, constants.light_map);
+	struct gfx_draw draw = {
+		.vertices = mesh->vertices,
+		.indices = mesh->indices,
+		.textures = { mesh->textures, mesh->light_map },
+		.blocks = { frame_block, mesh->materials },
+		.constants = (const float *)&constants,
+		.constant_count = sizeof(constants) / 16,
+	};
+	int slice = -1;
+	for (uint32_t i = 0; i < list->count; i++) {
+		const struct draw_item *item = &list->items[i];
+		if (item->slice != slice) {
+			slice = item->slice;
+			gfx_depth_range(gfx, view->slice[slice].depth_near, view->slice[slice].depth_far);
+			constants.clip_from_mm = from_mm(&view->slice[slice].clip_from_eye);
+		}
+		const struct residency_chunk *place = &mesh->residency.chunks[item->chunk];
+		set_origin(&constants, view, &mesh->pkg->chunks[item->chunk]);
+		constants.opacity = item->opacity * (1.0f / 255.0f);
+		draw.pipeline = mesh->pipelines[item->pass][item->opacity < 255];
+		draw.vertex_offset = place->first_vertex * (uint32_t)sizeof(struct pkg_mesh_vertex);
+		draw.first = place->first_index + item->first;
+		draw.count = item->count;
+		gfx_draw(gfx, &draw);
+	}
+}
