@@ -10,6 +10,7 @@
 #include "render/frame_block.h"
 #include "render/marker.h"
 #include "render/near_mesh.h"
+#include "render/overlay.h"
 #include "render/scene.h"
 #include "render/sky.h"
 #include "render/submit.h"
@@ -34,6 +35,7 @@ struct renderer {
 	struct scene scene;
 	struct sky sky;
 	struct marker marker;
+	struct overlay overlay;
 	struct camera camera;
 	struct obstacles obstacles;
 	struct view view;
@@ -82,6 +84,10 @@ static int make_scene(struct renderer *renderer, struct arena *arena, const stru
 		err = scene_init(&renderer->scene, arena, &renderer->mesh, far_ops);
 	if (err)
 		return err;
+	if (renderer->config.overlay)
+		err = overlay_init(&renderer->overlay, arena, renderer->gfx, renderer->pkg, &renderer->config.overlay_config);
+	if (err)
+		return err;
 	renderer->obstacles = (struct obstacles){ .pkg = renderer->pkg, .residency = &renderer->mesh.residency };
 	camera_init(&renderer->camera, renderer->config.fov_deg * (BLVD_PI / 180.0));
 	/* when the whole city fits, the eye does not matter */
@@ -121,6 +127,8 @@ void renderer_finish(struct renderer *renderer)
 	if (!renderer || !renderer->gfx)
 		return;
 	scene_finish(&renderer->scene);
+	if (renderer->config.overlay)
+		overlay_finish(&renderer->overlay);
 	gfx_finish(renderer->gfx);
 	renderer->gfx = NULL;
 }
@@ -181,6 +189,49 @@ static void load(struct renderer *renderer)
 	renderer->primed = true;
 }
 
+static void update_overlay(struct renderer *renderer, const struct nav_view *nav, const struct renderer_time *time)
+{
+	struct overlay_input input = {
+		.view = &renderer->view,
+		.nav = nav,
+		.kind = renderer->camera.kind,
+		.time_ns = time->time_ns,
+		.daylight = 1.0f - renderer->light.night,
+		.map_damaged = renderer->mesh.residency.damaged > 0,
+		.message = time->message,
+	};
+	overlay_update(&renderer->overlay, &input);
+}
+
+/* What lies on the street is drawn in both slices, each with its own depths. */
+static void draw_overlay(struct renderer *renderer)
+{
+	typedef void draw_fn(const struct overlay *overlay, enum view_slice_id slice);
+	draw_fn *const layers[] = { overlay_draw_world, overlay_draw_hidden };
+	for (size_t i = 0; i < sizeof(layers) / sizeof(layers[0]); i++) {
+		for (int slice = VIEW_SLICE_COUNT - 1; slice >= 0; slice--) {
+			const struct view_slice *depth = &renderer->view.slice[slice];
+			gfx_depth_range(renderer->gfx, depth->depth_near, depth->depth_far);
+			layers[i](&renderer->overlay, (enum view_slice_id)slice);
+		}
+	}
+	gfx_depth_range(renderer->gfx, 0.0f, 1.0f);
+	overlay_draw_screen(&renderer->overlay);
+}
+
+static void draw_pass(struct renderer *renderer, const struct nav_view *nav)
+{
+	struct gfx_clear clear = { .color = true, .depth = true };
+	gfx_pass_begin(renderer->gfx, renderer->target, &clear);
+	submit(renderer->gfx, &renderer->mesh, &renderer->view, &renderer->scene.list, renderer->frame_block);
+	sky_draw(&renderer->sky, &renderer->view, renderer->frame_block);
+	if (nav)
+		marker_draw(&renderer->marker, &renderer->view, nav, renderer->camera.kind, renderer->light.night);
+	if (nav && renderer->config.overlay)
+		draw_overlay(renderer);
+	gfx_pass_end(renderer->gfx);
+}
+
 static void draw_frame(struct renderer *renderer, const struct camera_pose *pose, const struct nav_view *nav,
 	const struct renderer_time *time)
 {
@@ -193,14 +244,9 @@ static void draw_frame(struct renderer *renderer, const struct camera_pose *pose
 	write_frame_block(renderer, time);
 	load(renderer);
 	scene_build(&renderer->scene, &renderer->view);
-
-	struct gfx_clear clear = { .color = true, .depth = true };
-	gfx_pass_begin(renderer->gfx, renderer->target, &clear);
-	submit(renderer->gfx, &renderer->mesh, &renderer->view, &renderer->scene.list, renderer->frame_block);
-	sky_draw(&renderer->sky, &renderer->view, renderer->frame_block);
-	if (nav)
-		marker_draw(&renderer->marker, &renderer->view, nav, renderer->camera.kind, renderer->light.night);
-	gfx_pass_end(renderer->gfx);
+	if (nav && renderer->config.overlay)
+		update_overlay(renderer, nav, time);
+	draw_pass(renderer, nav);
 }
 
 void renderer_draw(struct renderer *renderer, const struct nav_view *nav, const struct renderer_time *time)

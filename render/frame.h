@@ -14,6 +14,7 @@
 #include "platform/base/arena.h"
 #include "render/camera.h"
 #include "render/gfx.h"
+#include "render/overlay.h"
 
 struct renderer;
 
@@ -27,8 +28,9 @@ struct renderer_config {
 	const struct gfx_ops *gfx;                   /* default gfx_gles3 */
 	void (*(*get_proc)(const char *name))(void); /* display_get_proc, or NULL */
 	bool overlay;                                /* route ribbon, labels, read-outs */
-	double fov_deg;                              /* vertical; default 45 (driver's eye); 10 to 120 */
-	double far_m;                                /* nothing is drawn beyond; default 6,000 */
+	struct overlay_config overlay_config;
+	double fov_deg; /* vertical; default 45 (driver's eye); 10 to 120 */
+	double far_m;   /* nothing is drawn beyond; default 6,000 */
 };
 
 struct renderer_stats {
@@ -54,10 +56,11 @@ void renderer_finish(struct renderer *renderer);
 
 /* What the light is like. */
 struct renderer_time {
-	int64_t time_ns;  /* simulated or monotonic: drives the camera's springs and water */
-	int64_t wall_ns;  /* UTC since 1970: where the sun stands; 0: late morning in June */
-	bool force_night; /* the driver asked for the night look */
-	double ambient;   /* sensor, 0 dark to 1; negative: unknown, the sun alone decides */
+	int64_t time_ns;     /* simulated or monotonic: drives the camera's springs and water */
+	int64_t wall_ns;     /* UTC since 1970: where the sun stands; 0: late morning in June */
+	bool force_night;    /* the driver asked for the night look */
+	double ambient;      /* sensor, 0 dark to 1; negative: unknown, the sun alone decides */
+	const char *message; /* shown to the driver, NULL none */
 };
 void renderer_draw(struct renderer *renderer, const struct nav_view *nav, const struct renderer_time *time);
 

@@ -41,6 +41,7 @@ vec3 decode_srgb(vec3 c)
 	return c * (c * (c * 0.317443 + 0.668301) + 0.015990);
 }
 
+#ifndef NO_FRAME_BLOCK
 // The clear sky in a direction (unit), without sun or stars.
 vec3 sky_in(vec3 direction)
 {
@@ -59,3 +60,4 @@ vec3 hazed(vec3 color, highp vec3 from_eye)
 	vec3 low = haze.rgb * (1.0 + 0.35 * max(dot(from_eye.xy, sun_direction.xy) / max(d, 1.0), 0.0) * (1.0 - sun_direction.w));
 	return mix(low, color, clear);
 }
+#endif
