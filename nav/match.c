@@ -7,8 +7,14 @@
 #define PARTICLES 384
 #define STEP_M 1.0
 #define STEP_RAD 0.06
-#define CHORD_M 5.0  /* the street's heading is that of a chord this far to both sides: a car rounds corners */
-#define DECIDE_M 8.0 /* before the end of a half-edge the particle chooses how to go on */
+#define CHORD_M 5.0   /* the street's heading is that of a chord this far to both sides: a car rounds corners */
+#define DECIDE_M 25.0 /* before the end of a half-edge the particle chooses how to go on */
+#define CORNER_MIN_RAD 0.3
+#define CORNER_MAX_RAD 2.0
+#define CORNER_RADIUS_M 7.5
+#define CORNER_REACH_M 15.0
+#define CORNER_ROOM 0.5  /* of the shorter half-edge */
+#define ROUTE_FAVOUR 4.0 /* the planned way counts so much more while the belief is split */
 #define HEADING_SIGMA 0.12
 #define CORRELATION_M 5.0 /* residuals closer than this are not independent */
 #define OFFSET_CORRELATION_M 10.0
@@ -66,7 +72,9 @@ static void forget(struct match *match)
 	match->gnss_far = 0;
 }
 
-static void estimate(struct match *match);
+static const struct match_hints no_hints;
+
+static void estimate(struct match *match, const struct match_hints *hints);
 
 void match_place(struct match *match, uint32_t half, double along_m, double spread_m, int32_t heading_bam)
 {
@@ -75,13 +83,36 @@ void match_place(struct match *match, uint32_t half, double along_m, double spre
 	forget(match);
 	match->located = match->on_street = true;
 	match->half = half;
-	estimate(match);
+	estimate(match, &no_hints);
 }
 
 struct candidate {
 	uint32_t half;
 	double along_m, weight;
 };
+
+/* How far a place is from where a car on this half-edge would be: its lanes are as wide as they are. */
+static double beside_lanes(const struct graph *graph, uint32_t half, double along_m, struct dvec2 at_m)
+{
+	struct graph_pose pose = graph_at(graph, half, along_m);
+	double right = (at_m.x - pose.at_m.x) * cos(pose.heading_rad) - (at_m.y - pose.at_m.y) * sin(pose.heading_rad);
+	double far = hypot(at_m.x - pose.at_m.x, at_m.y - pose.at_m.y);
+	double ahead = sqrt(fmax(far * far - right * right, 0.0));
+	double a = graph_lane_offset_m(graph, half, 0), b = graph_lane_offset_m(graph, half, graph_lanes(graph, half) - 1);
+	double side = fmax(fmax(fmin(a, b) - right, right - fmax(a, b)), 0.0);
+	return hypot(ahead, side);
+}
+
+/* Places are pointed at or measured under the open sky, and drives seldom begin on a motorway or its viaduct. */
+static double start_prior(const struct pkg_edge *edge)
+{
+	double prior = edge->street_class == PKG_STREET_MOTORWAY ? 0.02
+				   : edge->street_class == PKG_STREET_TRUNK  ? 0.1
+															 : 1.0;
+	if (edge->flags & PKG_EDGE_TUNNEL)
+		prior *= 0.02;
+	return edge->flags & PKG_EDGE_BRIDGE ? 0.4 * prior : prior;
+}
 
 static uint32_t candidates_near(const struct match *match, struct dvec2 at_m, double radius_m, double max_turn_rad,
 	int32_t heading_bam, struct candidate out[64])
@@ -98,8 +129,11 @@ static uint32_t candidates_near(const struct match *match, struct dvec2 at_m, do
 			double turn = wrap_rad(graph_at(match->graph, half, along).heading_rad - bam_to_rad(heading_bam));
 			if (fabs(turn) > max_turn_rad)
 				continue;
-			double d = hits[i].distance_m / (0.25 * radius_m + 3.0);
-			out[count++] = (struct candidate){ half, along, exp(-0.5 * d * d) + 1e-6 };
+			double d = beside_lanes(match->graph, half, along, at_m) / (0.12 * radius_m + 1.0);
+			double weight = exp(-0.5 * d * d) + 1e-9;
+			if (max_turn_rad < BLVD_PI)
+				weight *= exp(-0.5 * turn * turn / (0.2 * 0.2)) + 1e-6;
+			out[count++] = (struct candidate){ half, along, weight * start_prior(graph_edge(match->graph, half)) };
 		}
 	}
 	return count;
@@ -139,7 +173,7 @@ bool match_place_near(struct match *match, struct dvec2 at_m, double radius_m, b
 	forget(match);
 	match->located = match->on_street = true;
 	match->half = PKG_NONE;
-	estimate(match);
+	estimate(match, &no_hints);
 	return true;
 }
 
@@ -200,35 +234,80 @@ static uint32_t choose_next(struct match *match, const struct match_hints *hints
 	return count ? out[count - 1] : graph_twin(half);
 }
 
-/* Half-edge that the car came from, for reversing: the way back from the start, looked at from the twin. */
-static uint32_t choose_prev(struct match *match, const struct match_hints *hints, uint32_t half)
+/* A car that turns to the side of its lane cuts the corner of the centre lines, one that turns across it goes farther;
+ * both round it. Returns the centre line's length less the car's; half of it lies on each side of the node. */
+static float corner_gap(const struct graph *graph, uint32_t from, uint32_t to)
 {
-	struct match_hints none = { .lamp = -hints->lamp };
-	return graph_twin(choose_next(match, &none, graph_twin(half)));
+	double turn = bam_to_rad(graph_turn_bam(graph, from, to)), size = fmin(fabs(turn), CORNER_MAX_RAD);
+	if (size < CORNER_MIN_RAD || to == graph_twin(from))
+		return 0.0f;
+	bool across = graph->right_hand ? turn < 0.0 : turn > 0.0;
+	double a = graph_lane_offset_m(graph, from, across ? graph_lanes(graph, from) - 1 : 0);
+	double b = graph_lane_offset_m(graph, to, across ? graph_lanes(graph, to) - 1 : 0);
+	double inside = 0.5 * (turn > 0.0 ? a + b : -a - b);
+	double gap = 2.0 * inside * tan(0.5 * size) + CORNER_RADIUS_M * (2.0 * tan(0.5 * size) - size);
+	double room = CORNER_ROOM * fmin(graph_length_m(graph, from), graph_length_m(graph, to));
+	return (float)fmin(fmax(gap, -room), room);
 }
 
-static void cross_nodes(struct match *match, const struct match_hints *hints, struct match_particle *particle)
+static void decide_next(struct match *match, const struct match_hints *hints, struct match_particle *particle)
+{
+	particle->next = choose_next(match, hints, particle->half);
+	particle->next_gap_m = corner_gap(match->graph, particle->half, particle->next);
+}
+
+/* Half-edge that the car came from, for reversing: the way back from the start, looked at from the twin. */
+static void decide_prev(struct match *match, const struct match_hints *hints, struct match_particle *particle)
+{
+	struct match_hints none = { .lamp = -hints->lamp };
+	particle->prev = graph_twin(choose_next(match, &none, graph_twin(particle->half)));
+	particle->prev_gap_m = corner_gap(match->graph, particle->prev, particle->half);
+}
+
+static double end_of(const struct match *match, const struct match_particle *particle)
+{
+	return graph_length_m(match->graph, particle->half) - 0.5 * (double)particle->next_gap_m;
+}
+
+static void to_next(struct match *match, struct match_particle *particle)
+{
+	double beyond = particle->along_m - end_of(match, particle);
+	particle->prev = particle->half;
+	particle->prev_gap_m = particle->next_gap_m;
+	particle->half = particle->next;
+	particle->next = PKG_NONE;
+	particle->next_gap_m = 0.0f;
+	particle->along_m = beyond + 0.5 * (double)particle->prev_gap_m;
+}
+
+static void to_prev(struct match *match, struct match_particle *particle)
+{
+	double before = 0.5 * (double)particle->prev_gap_m - particle->along_m;
+	particle->next = particle->half;
+	particle->next_gap_m = particle->prev_gap_m;
+	particle->half = particle->prev;
+	particle->prev = PKG_NONE;
+	particle->prev_gap_m = 0.0f;
+	particle->along_m = end_of(match, particle) - before;
+}
+
+static void cross_nodes(
+	struct match *match, const struct match_hints *hints, struct match_particle *particle, bool forwards)
 {
 	for (int hop = 0; hop < HOPS_MAX; hop++) {
 		double length = graph_length_m(match->graph, particle->half);
-		if (particle->along_m > length) {
-			uint32_t next = particle->next;
-			if (next == PKG_NONE)
-				next = choose_next(match, hints, particle->half);
-			particle->prev = particle->half;
-			particle->half = next;
-			particle->next = PKG_NONE;
-			particle->along_m -= length;
-		} else if (particle->along_m < 0.0) {
-			uint32_t prev = particle->prev;
-			if (prev == PKG_NONE)
-				prev = choose_prev(match, hints, particle->half);
-			particle->next = particle->half;
-			particle->half = prev;
-			particle->prev = PKG_NONE;
-			particle->along_m += graph_length_m(match->graph, prev);
+		if (forwards) {
+			if (particle->next == PKG_NONE && particle->along_m > length - DECIDE_M)
+				decide_next(match, hints, particle);
+			if (particle->next == PKG_NONE || particle->along_m <= end_of(match, particle))
+				return;
+			to_next(match, particle);
 		} else {
-			return;
+			if (particle->prev == PKG_NONE && particle->along_m < 0.0)
+				decide_prev(match, hints, particle);
+			if (particle->prev == PKG_NONE || particle->along_m >= 0.5 * (double)particle->prev_gap_m)
+				return;
+			to_prev(match, particle);
 		}
 	}
 	double length = graph_length_m(match->graph, particle->half);
@@ -239,63 +318,79 @@ struct motion {
 	double distance_m, turn_rad, unknown_rad, dt_s;
 };
 
+/* Is the particle so near a corner that the turn belongs to it, not to a bend of the street? */
+static bool at_corner(const struct match *match, const struct match_particle *particle)
+{
+	return (fabsf(particle->prev_gap_m) > 0.0f && particle->along_m < CORNER_REACH_M) ||
+		   (fabsf(particle->next_gap_m) > 0.0f &&
+			   particle->along_m > graph_length_m(match->graph, particle->half) - CORNER_REACH_M);
+}
+
 static void propagate(
 	struct match *match, const struct match_hints *hints, const struct motion *motion, struct match_particle *particle)
 {
-	double noise2 = 0.006 * fabs(motion->distance_m) + 2.0 * fabs(motion->turn_rad);
-	/* A driver on the inside of a curve travels less than the centre line. */
-	double lane = fmin(fmax(graph_lane_offset_m(match->graph, particle->half, 0), -4.0), 4.0);
-	double inside = motion->distance_m > 0.0 ? lane * motion->turn_rad : 0.0;
-	if (motion->distance_m != 0.0)
-		particle->along_m += motion->distance_m * particle->scale + inside + sqrt(noise2) * normal(&match->rng);
 	particle->offset_var += OFFSET_WALK * motion->dt_s + motion->unknown_rad * motion->unknown_rad;
-	cross_nodes(match, hints, particle);
-	if (particle->next == PKG_NONE && particle->along_m > graph_length_m(match->graph, particle->half) - DECIDE_M)
-		particle->next = choose_next(match, hints, particle->half);
+	if (motion->distance_m == 0.0)
+		return;
+	double noise2 = 0.006 * fabs(motion->distance_m) + 1.5 * fabs(motion->turn_rad), bend = 0.0;
+	/* A driver on the inside of a bend travels less than the centre line. */
+	if (motion->distance_m > 0.0 && !at_corner(match, particle))
+		bend = fmin(fmax(graph_lane_offset_m(match->graph, particle->half, 0), -8.0), 8.0) * motion->turn_rad;
+	particle->along_m += motion->distance_m * particle->scale + bend + sqrt(noise2) * normal(&match->rng);
+	cross_nodes(match, hints, particle, motion->distance_m > 0.0);
 }
 
 static struct dvec3 path_point(const struct match *match, const struct match_particle *particle, double along_m)
 {
 	const struct graph *graph = match->graph;
-	if (along_m < 0.0 && particle->prev != PKG_NONE)
-		return graph_at(graph, particle->prev, graph_length_m(graph, particle->prev) + along_m).at_m;
-	if (along_m > 0.0 && particle->next != PKG_NONE) {
-		double length = graph_length_m(graph, particle->half);
-		if (along_m > length)
-			return graph_at(graph, particle->next, along_m - length).at_m;
-	}
+	double start = 0.5 * (double)particle->prev_gap_m, end = end_of(match, particle);
+	if (along_m < start && particle->prev != PKG_NONE)
+		return graph_at(graph, particle->prev, graph_length_m(graph, particle->prev) - start + along_m - start).at_m;
+	if (along_m > end && particle->next != PKG_NONE)
+		return graph_at(graph, particle->next, 0.5 * (double)particle->next_gap_m + along_m - end).at_m;
 	return graph_at(graph, particle->half, along_m).at_m;
 }
 
-/* Heading that a car on the particle's path has about now. */
-static double path_heading(const struct match *match, const struct match_particle *particle)
+/* Reckoned heading against the street's. The street's is the range between its directions a few metres before and after
+ * the particle: in a corner any heading of the turn fits, for nobody knows how the driver rounds it. */
+static double heading_residual(const struct match *match, const struct match_particle *particle, double heading)
 {
 	struct dvec3 a = path_point(match, particle, particle->along_m - CHORD_M);
+	struct dvec3 m = path_point(match, particle, particle->along_m);
 	struct dvec3 b = path_point(match, particle, particle->along_m + CHORD_M);
-	double east = b.x - a.x, north = b.y - a.y;
-	if (east * east + north * north < 1.0)
-		return graph_at(match->graph, particle->half, particle->along_m).heading_rad;
-	return atan2(east, north);
+	double before = hypot(m.x - a.x, m.y - a.y), after = hypot(b.x - m.x, b.y - m.y);
+	double street = graph_at(match->graph, particle->half, particle->along_m).heading_rad;
+	double first = before > 1.0 ? atan2(m.x - a.x, m.y - a.y) : street;
+	double last = after > 1.0 ? atan2(b.x - m.x, b.y - m.y) : street;
+	double span = wrap_rad(last - first), from_first = wrap_rad(heading - first), from_last = wrap_rad(heading - last);
+	if (from_first * span >= 0.0 && fabs(from_first) <= fabs(span))
+		return 0.0;
+	return fabs(from_first) < fabs(from_last) ? -from_first : -from_last;
+}
+
+static void turn_round(struct match *match, struct match_particle *particle)
+{
+	particle->along_m = graph_length_m(match->graph, particle->half) - particle->along_m;
+	particle->half = graph_twin(particle->half);
+	particle->prev = particle->next = PKG_NONE;
+	particle->prev_gap_m = particle->next_gap_m = 0.0f;
+	if (!graph_drivable(match->graph, particle->half))
+		particle->log_weight -= 2.0;
 }
 
 static void weigh(struct match *match, struct match_particle *particle, double reckoned_rad, double moved_m)
 {
-	double residual = wrap_rad(path_heading(match, particle) - reckoned_rad - particle->offset_rad);
+	double residual = heading_residual(match, particle, reckoned_rad + particle->offset_rad);
 	double var = HEADING_SIGMA * HEADING_SIGMA + particle->offset_var;
 	particle->misfit = fmin(residual * residual / var, MISFIT_MAX);
 	particle->log_weight -= 0.5 * particle->misfit * fmin(moved_m / CORRELATION_M, 1.0);
-	if (fabs(residual) < 0.7) {
+	if (residual != 0.0 && fabs(residual) < 0.7) {
 		double measured = HEADING_SIGMA * HEADING_SIGMA * OFFSET_CORRELATION_M / fmax(moved_m, 0.1);
 		double gain = particle->offset_var / (particle->offset_var + measured);
 		particle->offset_rad = wrap_rad(particle->offset_rad + gain * residual);
 		particle->offset_var *= 1.0 - gain;
 	} else if (fabs(residual) > 2.1 && rng_unit(&match->rng) < 0.06 * moved_m) {
-		/* The car faces the other way: it may have turned round in the street. */
-		particle->along_m = graph_length_m(match->graph, particle->half) - particle->along_m;
-		particle->half = graph_twin(particle->half);
-		particle->prev = particle->next = PKG_NONE;
-		if (!graph_drivable(match->graph, particle->half))
-			particle->log_weight -= 2.0;
+		turn_round(match, particle); /* the car faces the other way: it may have turned in the street */
 	}
 }
 
@@ -374,13 +469,23 @@ static bool touches(const struct graph *graph, uint32_t a, uint32_t b)
 		   graph_end(graph, a) == graph_end(graph, b);
 }
 
-static void estimate(struct match *match)
+static bool on_route(const struct match_hints *hints, uint32_t half)
+{
+	for (uint32_t i = 0; i < hints->route_count && i < 24; i++)
+		if (hints->route[i] == half)
+			return true;
+	return false;
+}
+
+static void estimate(struct match *match, const struct match_hints *hints)
 {
 	struct mode modes[MODES_MAX];
 	uint32_t count = collect_modes(match, modes), best = 0;
 	double total = 0.0, best_weight = 0.0;
 	for (uint32_t i = 0; i < count; i++) {
 		double weight = modes[i].half == match->half ? 1.15 * modes[i].weight : modes[i].weight;
+		if (on_route(hints, modes[i].half))
+			weight *= ROUTE_FAVOUR;
 		total += modes[i].weight;
 		if (weight > best_weight) {
 			best_weight = weight;
@@ -392,7 +497,7 @@ static void estimate(struct match *match)
 		match->jumps++;
 	double mean = mode->along / mode->weight;
 	match->half = mode->half;
-	match->along_m = mean;
+	match->along_m = fmin(fmax(mean, 0.0), graph_length_m(match->graph, mode->half));
 	match->offset_rad = wrap_rad(mode->offset_ref + mode->offset / mode->weight);
 	match->confidence = mode->weight / total;
 	double var = fmax(mode->along2 / mode->weight - mean * mean, 0.0);
@@ -455,7 +560,7 @@ static void step_particles(struct match *match, const struct reckon *reckon, con
 	follow_misfit(match, moved);
 	if (effective < 0.5 * match->count)
 		resample(match);
-	estimate(match);
+	estimate(match, hints);
 	leave_and_return(match, reckon, moved);
 }
 
@@ -508,7 +613,7 @@ void match_gnss(struct match *match, const struct reckon *reckon, struct dvec2 a
 	}
 	if (normalise(match) < 0.5 * match->count)
 		resample(match);
-	estimate(match);
+	estimate(match, &no_hints);
 }
 
 void match_heading_corrected(struct match *match, double rad)

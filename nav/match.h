@@ -29,8 +29,9 @@ struct match_hints {
 };
 
 struct match_particle {
-	uint32_t prev, half, next; /* prev and next: PKG_NONE while not known */
-	double along_m;
+	uint32_t prev, half, next;     /* prev and next: PKG_NONE while not known */
+	float prev_gap_m, next_gap_m;  /* centre line that the car's line saves at the corner to prev, to next */
+	double along_m;                /* a little below 0 or beyond the length where the car's line is longer */
 	double offset_rad, offset_var; /* true heading - reckoned heading */
 	double scale;                  /* of the travelled distance */
 	double log_weight;

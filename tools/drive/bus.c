@@ -14,14 +14,14 @@
 
 #define TICK_NS INT64_C(10000000)
 #define FRAME_GAP_NS INT64_C(250000)
-#define STEERING_RATIO 15.5
+#define STEERING_RATIO 15.0
 #define WHEELBASE_M 2.7
-#define TRACK_M 1.54
+#define TRACK_M 1.55
 #define KMH 3.6
 #define DEG (180.0 / BLVD_PI)
 #define START_FIX_S 2.0
 #define ODOMETER_START_KM 12345.0
-#define INTERFACE "can0"
+#define INTERFACE "vcan0"
 
 struct sender {
 	const struct drive *drive;

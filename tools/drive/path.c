@@ -340,12 +340,13 @@ static void lay_out(const struct drive *drive, line *path)
 static void tie_to_route(const struct drive *drive, struct drive_path *path)
 {
 	uint32_t index = 0;
-	double along = drive->route.start_along_m;
+	double along = drive->route.start_along_m, stuck_m = 0.0;
 	for (size_t i = 0; i < path->points.count; i++) {
 		struct drive_point *point = &path->points.items[i];
 		double best = INFINITY, best_along = along, at = along;
 		uint32_t best_index = index, k = index;
-		for (double ahead = 0.0; ahead <= LOOK_AHEAD_M; ahead += 0.1, at += 0.1) {
+		/* On a sharp corner the nearest place can stay behind; the longer it does, the farther we look. */
+		for (double ahead = 0.0; ahead <= LOOK_AHEAD_M + 1.5 * stuck_m; ahead += 0.1, at += 0.1) {
 			while (k + 1 < drive->route.count && at > graph_length_m(&drive->graph, drive->route.halves[k])) {
 				at -= graph_length_m(&drive->graph, drive->route.halves[k]);
 				k++;
@@ -358,6 +359,8 @@ static void tie_to_route(const struct drive *drive, struct drive_path *path)
 				best_along = at;
 			}
 		}
+		bool moved = best_index != index || best_along > along + 0.01;
+		stuck_m = moved ? 0.0 : stuck_m + DRIVE_STEP_M;
 		index = best_index;
 		along = best_along;
 		point->index = index;
