@@ -86,7 +86,7 @@ struct can_bus {
 	struct can_interface interfaces[CAN_BUS_MAX];
 	unsigned interface_count;
 	struct can_bus_stats stats;
-	int64_t wall_offset_ns; /* add to a frame's time for ns since 1970 */
+	int64_t wall_offset_ns; /* add to the newest frame's time for ns since 1970 */
 	int64_t last_ns;        /* time of the newest frame handed out */
 	bool ended;             /* nothing will come any more */
 };

@@ -27,7 +27,7 @@ static uint64_t get_big_endian(const uint8_t *data, unsigned at, unsigned length
 	uint64_t raw = 0;
 	while (length) {
 		unsigned room = 8 - at % 8, step = min_u(room, length);
-		raw = raw << step | (data[at / 8] >> (room - step) & ((1u << step) - 1u));
+		raw = raw << step | ((unsigned)data[at / 8] >> (room - step) & ((1u << step) - 1u));
 		at += step;
 		length -= step;
 	}
@@ -40,7 +40,7 @@ static uint64_t get_little_endian(const uint8_t *data, unsigned at, unsigned len
 	for (unsigned done = 0, step; done < length; done += step) {
 		unsigned shift = (at + done) % 8;
 		step = min_u(8 - shift, length - done);
-		raw |= (uint64_t)(data[(at + done) / 8] >> shift & ((1u << step) - 1u)) << done;
+		raw |= (uint64_t)((unsigned)data[(at + done) / 8] >> shift & ((1u << step) - 1u)) << done;
 	}
 	return raw;
 }

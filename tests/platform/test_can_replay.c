@@ -1,5 +1,7 @@
 /* Recorded logs as a bus: order, time, faults in the text, compressed files cut anywhere. */
 #include <errno.h>
+#include <fcntl.h>
+#include <malloc.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>
@@ -265,6 +267,56 @@ static void what_is_no_log_is_refused(void **state)
 	assert_int_equal(arena.used, 0);
 }
 
+/* What --record does with a replay; and nothing of it takes memory from the heap. */
+static void recorded_logs_of_real_cars_come_back_byte_for_byte(void **state)
+{
+	(void)state;
+	static const char *const logs[] = { "comma2k19_rav4/rav4_19thAve_60s.candump.log.gz",
+		"css_canedge/drive_2024-09-07_aarhus-skanderborg_32min.candump.log.gz",
+		"eldominio_gpl3/hyundai_genesis_coupe_36s.candump.log.gz" };
+	static char original[1 << 16], copy[1 << 16];
+	static struct candump_writer writer;
+	static struct can_frame_rx frames[64];
+	for (size_t i = 0; i < sizeof(logs) / sizeof(*logs); i++) {
+		char log[600];
+		const char *data = getenv("BLVD_DATA");
+		snprintf(log, sizeof(log), "%s/can/%s", data ? data : "", logs[i]);
+		if (access(log, R_OK)) {
+			print_message("skipped: no %s\n", log);
+			continue;
+		}
+		struct can_bus *bus;
+		struct can_bus_config config = { .path = log, .start_ns = 12345 };
+		arena_init(&arena, "test", memory, sizeof(memory));
+		assert_int_equal(can_bus_open(&bus, &can_replay_ops, &config, &arena), 0);
+		int fd = open(path, O_RDWR | O_TRUNC | O_CLOEXEC), n;
+		assert_true(fd >= 0);
+		candump_writer_init(&writer, fd);
+		size_t heap = mallinfo2().uordblks, used = arena.used;
+		while ((n = can_bus_read(bus, INT64_MAX, frames, 64)) > 0)
+			for (int k = 0; k < n; k++) {
+				frames[k].time_ns += bus->wall_offset_ns;
+				candump_writer_add(&writer, bus->interfaces[frames[k].bus].name, &frames[k]);
+			}
+		assert_int_equal(candump_writer_flush(&writer), 0);
+		assert_int_equal(mallinfo2().uordblks, heap);
+		assert_int_equal(arena.used, used);
+		assert_int_equal(bus->stats.bad + bus->stats.steps_back + bus->stats.gaps + bus->stats.dropped, 0);
+		can_bus_close(bus);
+		gzFile gz = gzopen(log, "rb");
+		assert_non_null(gz);
+		lseek(fd, 0, SEEK_SET);
+		do {
+			n = gzread(gz, original, sizeof(original));
+			assert_true(n >= 0);
+			assert_int_equal(read(fd, copy, sizeof(copy)), n);
+			assert_memory_equal(original, copy, (size_t)n);
+		} while (n > 0);
+		gzclose(gz);
+		close(fd);
+	}
+}
+
 /* Here the kernel may have CAN or not, and the interfaces may be there or not. */
 static void the_kernel_bus_opens_or_says_why_not(void **state)
 {
@@ -300,6 +352,7 @@ int main(void)
 		cmocka_unit_test(error_frames_tell_the_health_of_their_interface),
 		cmocka_unit_test(compressed_logs_read_the_same_and_may_be_joined_or_cut),
 		cmocka_unit_test(what_is_no_log_is_refused),
+		cmocka_unit_test(recorded_logs_of_real_cars_come_back_byte_for_byte),
 		cmocka_unit_test(the_kernel_bus_opens_or_says_why_not),
 	};
 	int fd = mkstemp(path);

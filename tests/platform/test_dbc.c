@@ -111,11 +111,9 @@ static void every_layout_survives_encoding_and_touches_no_other_bit(void **state
 			frame.data[k] = (uint8_t)rng_u32(&rng);
 		before = frame;
 		int64_t raw = (int64_t)((uint64_t)rng_u32(&rng) << 32 | rng_u32(&rng)), got, old;
-		if (signal.length < 64) {
-			raw &= (INT64_C(1) << signal.length) - 1;
-			if (signal.type == DBC_SIGNED && raw >> (signal.length - 1))
-				raw -= INT64_C(1) << signal.length;
-		}
+		uint64_t mask = ~UINT64_C(0) >> (64 - signal.length), bits = (uint64_t)raw & mask;
+		bool negative = signal.type == DBC_SIGNED && bits >> (signal.length - 1);
+		raw = (int64_t)(negative ? bits | ~mask : bits);
 		if (!dbc_decode_raw(&signal, &frame, &old)) {
 			assert_int_equal(dbc_encode_raw(&signal, raw, &frame), -EINVAL);
 			assert_memory_equal(&frame, &before, sizeof(frame));
