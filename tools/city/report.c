@@ -22,6 +22,7 @@ static const char *const fault_names[FAULT_KIND_COUNT] = {
 	[FAULT_HEIGHT_ORDER] = "height_order",
 	[FAULT_OVERLAPPING_BUILDING] = "overlapping_building",
 	[FAULT_PART_WITHOUT_OUTLINE] = "part_without_outline",
+	[FAULT_PARTS_INCOMPLETE] = "parts_incomplete",
 	[FAULT_STREET_THROUGH_BUILDING] = "street_through_building",
 	[FAULT_BUILDING_IN_STREET] = "building_in_street",
 	[FAULT_CROSSING_WITHOUT_NODE] = "crossing_without_node",

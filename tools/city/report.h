@@ -22,7 +22,8 @@ enum fault_kind {
 	FAULT_MISSING_HEIGHT,       /* inferred */
 	FAULT_HEIGHT_ORDER,         /* min_height >= height, roof higher than the building */
 	FAULT_OVERLAPPING_BUILDING, /* the same footprint twice, or most of it */
-	FAULT_PART_WITHOUT_OUTLINE,
+	FAULT_PART_WITHOUT_OUTLINE, /* drawn as a building of its own */
+	FAULT_PARTS_INCOMPLETE,     /* parts leave some of their outline's ground bare; the rest becomes a part */
 	FAULT_STREET_THROUGH_BUILDING,
 	FAULT_BUILDING_IN_STREET,    /* footprint reaches into the carriageway */
 	FAULT_CROSSING_WITHOUT_NODE, /* streets of one layer cross without a shared node */

@@ -121,9 +121,20 @@ static bool is_below_ground(const struct osm_tags *tags)
 		   osm_tag_is(tags, "parking", "multi-storey") || osm_tag_is(tags, "indoor", "yes");
 }
 
-static size_t clip(struct osm_reader *reader, int64_t id, const struct polygon *polygon, polygon_array *out)
+/* Lakes and the sea are seen from afar. */
+static double margin_of(int kind)
 {
-	struct bounds frame = cut_frame(reader);
+	return kind == AREA_WATER ? 1500.0 : 40.0;
+}
+
+static struct bounds frame_of(const struct osm_reader *reader, int kind)
+{
+	return bounds_grown(reader->built, reader->clip ? 0.0 : fmax(margin_of(kind), 400.0));
+}
+
+static size_t clip(struct osm_reader *reader, int64_t id, int kind, const struct polygon *polygon, polygon_array *out)
+{
+	struct bounds frame = frame_of(reader, kind);
 	struct dvec2 min, max;
 	ring_bounds(&polygon->outer, &min, &max);
 	if (min.x >= frame.min.x && min.y >= frame.min.y && max.x <= frame.max.x && max.y <= frame.max.y) {
@@ -151,7 +162,7 @@ static void push_areas(
 	struct area area = { .id = id, .kind = (enum area_kind)kind, .layer = (int)layer, .name = osm_name(reader, tags) };
 	polygon_array clipped = { 0 };
 	for (size_t i = 0; i < polygons->count; i++)
-		clip(reader, id, &polygons->items[i], &clipped);
+		clip(reader, id, kind, &polygons->items[i], &clipped);
 	for (size_t i = 0; i < clipped.count; i++) {
 		area.shape = clipped.items[i];
 		ARRAY_PUSH(&reader->city->areas, area);
@@ -183,7 +194,7 @@ static void areas_of_relations(struct osm_reader *reader)
 		if (kind == NOT_AN_AREA || is_below_ground(&tags))
 			continue;
 		polygons.count = 0;
-		if (osm_relation_polygons(reader, relation, LEAST_AREA_M2, &polygons))
+		if (osm_relation_polygons(reader, relation, LEAST_AREA_M2, margin_of(kind), &polygons))
 			claim_outer(reader, relation, kind);
 		push_areas(reader, &tags, -relation->id, kind, &polygons);
 	}
@@ -207,28 +218,7 @@ static void areas_of_ways(struct osm_reader *reader)
 	ARRAY_FINISH(&polygons);
 }
 
-/* Land is left of a coastline (https://wiki.openstreetmap.org/wiki/Tag:natural=coastline): a place a little to the
- * right of a piece inside the frame is sea. */
-static bool place_at_sea(const struct osm_reader *reader, const chain_array *chains, struct dvec2 *out)
-{
-	struct bounds frame = cut_frame(reader);
-	for (size_t i = 0; i < chains->count; i++) {
-		const struct chain *chain = &chains->items[i];
-		for (size_t j = 1; j < chain->count; j++) {
-			struct dvec2 a = osm_store_node(reader->store, chain->refs[j - 1])->at;
-			struct dvec2 b = osm_store_node(reader->store, chain->refs[j])->at;
-			struct dvec2 along = dvec2_sub(b, a), middle = dvec2_scale(dvec2_add(a, b), 0.5);
-			double length = dvec2_length(along);
-			struct dvec2 at = { middle.x + along.y / length * 0.01, middle.y - along.x / length * 0.01 };
-			if (length > 2.0 && at.x > frame.min.x && at.y > frame.min.y && at.x < frame.max.x && at.y < frame.max.y) {
-				*out = at;
-				return true;
-			}
-		}
-	}
-	return false;
-}
-
+/* Land is left of a coastline (https://wiki.openstreetmap.org/wiki/Tag:natural=coastline). */
 static void make_sea(struct osm_reader *reader)
 {
 	chain_array chains = { 0 }, open = { 0 };
@@ -254,9 +244,8 @@ static void make_sea(struct osm_reader *reader)
 			ARRAY_PUSH(&open, chains.items[i]);
 	}
 	chains.count = kept;
-	struct dvec2 sea;
-	if (place_at_sea(reader, open.count ? &open : &chains, &sea)) {
-		if (cut_polygons(reader, &chains, &open, &sea, &polygons))
+	if (chains.count + open.count) {
+		if (cut_polygons(reader, &chains, &open, margin_of(AREA_WATER), true, &polygons))
 			push_areas(reader, &(struct osm_tags){ 0 }, id, AREA_WATER, &polygons);
 		if (open.count && !cut_reaches_out(reader, &open))
 			report_fault(reader->city->report, FAULT_OPEN_RING, FAULT_MENDED, id);
@@ -293,7 +282,7 @@ static const struct line_rule *line_rule_of(const struct osm_tags *tags)
 
 static bool touches_frame(const struct osm_reader *reader, const struct dvec2 *points, size_t count)
 {
-	struct bounds frame = cut_frame(reader);
+	struct bounds frame = frame_of(reader, AREA_PARK);
 	struct ring ring = { (struct dvec2 *)(uintptr_t)points, count };
 	struct dvec2 min, max;
 	ring_bounds(&ring, &min, &max);

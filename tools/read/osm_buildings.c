@@ -285,6 +285,49 @@ static void claim_outer(struct osm_reader *reader, const struct osm_relation *re
 	}
 }
 
+static bool is_shop(const struct osm_tags *tags)
+{
+	static const char *const amenities[] = { "restaurant", "cafe", "bar", "pub", "fast_food", "bank", "pharmacy",
+		"ice_cream", "post_office", "nightclub", "bureau_de_change", "cinema" };
+	if (osm_tag_yes(tags, "shop") && !osm_tag_is(tags, "shop", "vacant"))
+		return true;
+	for (size_t i = 0; i < sizeof(amenities) / sizeof(*amenities); i++)
+		if (osm_tag_is(tags, "amenity", amenities[i]))
+			return true;
+	return false;
+}
+
+/* Shops are mostly mapped as nodes inside the building. */
+static void mark_shops(struct osm_reader *reader)
+{
+	struct city *city = reader->city;
+	bounds_array boxes = { 0 };
+	index_array near = { 0 };
+	struct box_index index;
+	for (size_t i = 0; i < city->buildings.count; i++) {
+		struct bounds box;
+		ring_bounds(&city->buildings.items[i].footprint.outer, &box.min, &box.max);
+		ARRAY_PUSH(&boxes, box);
+	}
+	box_index_build(&index, boxes.items, boxes.count, 40.0);
+	for (size_t i = 0; i < reader->store->nodes.count; i++) {
+		struct osm_node *node = &reader->store->nodes.items[i];
+		if (node->bad || !node->tags.count || !is_shop(&node->tags))
+			continue;
+		box_index_find(&index, (struct bounds){ node->at, node->at }, &near);
+		for (size_t k = 0; k < near.count; k++) {
+			struct building *building = &city->buildings.items[near.items[k]];
+			if (building->min_height_m > 1.0 || !polygon_contains(&building->footprint, node->at))
+				continue;
+			building->shop = true;
+			osm_mark(&node->fate, ELEMENT_USED);
+		}
+	}
+	box_index_finish(&index);
+	ARRAY_FINISH(&boxes);
+	ARRAY_FINISH(&near);
+}
+
 void osm_make_buildings(struct osm_reader *reader)
 {
 	polygon_array polygons = { 0 };
@@ -296,7 +339,7 @@ void osm_make_buildings(struct osm_reader *reader)
 		if (!osm_is_building(&tags))
 			continue;
 		polygons.count = 0;
-		if (osm_relation_polygons(reader, relation, LEAST_AREA_M2, &polygons))
+		if (osm_relation_polygons(reader, relation, LEAST_AREA_M2, -1.0, &polygons))
 			claim_outer(reader, relation);
 		drop_outside(reader, &polygons);
 		push_buildings(reader, &tags, -relation->id, &polygons, 0);
@@ -311,4 +354,5 @@ void osm_make_buildings(struct osm_reader *reader)
 		push_buildings(reader, &way->tags, way->id, &polygons, 0);
 	}
 	ARRAY_FINISH(&polygons);
+	mark_shops(reader);
 }

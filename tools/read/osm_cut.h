@@ -1,7 +1,7 @@
 /*
  * Areas that the edge of the data cuts: rivers, forests, the sea. Their borders come as open chains that leave the
- * built-up area; the chains and a frame around the area divide it into faces, and faces on two sides of a chain are of
- * two kinds.
+ * built-up area; the chains and a frame around the area divide it into faces, and the faces on two sides of a chain are
+ * of two kinds.
  */
 #ifndef BLVD_TOOLS_READ_OSM_CUT_H
 #define BLVD_TOOLS_READ_OSM_CUT_H
@@ -20,15 +20,16 @@ void chains_add_way(struct osm_reader *reader, const struct osm_way *way, chain_
 void chains_join(chain_array *chains, bool may_reverse);
 void chains_finish(chain_array *chains);
 
+/* The convex hull of the built-up area as a ring, counter-clockwise, in the reader's pool. */
+struct ring cut_hull(struct osm_reader *reader);
+
 /* Every end of the open chains lies beyond the built-up area, or close to its border. */
 bool cut_reaches_out(const struct osm_reader *reader, const chain_array *open);
 
-/* Appends the faces on the inner side, within the frame. `inside_hint`: a place known to be inside, or NULL: then the
- * side is inside that holds less of the street network. */
-size_t cut_polygons(struct osm_reader *reader, const chain_array *closed, const chain_array *open,
-	const struct dvec2 *inside_hint, polygon_array *out);
-
-/* The frame: the built-up area and a margin. */
-struct bounds cut_frame(const struct osm_reader *reader);
+/* Appends the faces on the inner side, within the hull grown by `margin_m`; chains that end before its border go on
+ * straight to it. `coast`: the chains have water on their right; otherwise that side is inside which holds less of the
+ * street network. */
+size_t cut_polygons(struct osm_reader *reader, const chain_array *closed, const chain_array *open, double margin_m,
+	bool coast, polygon_array *out);
 
 #endif

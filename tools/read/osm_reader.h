@@ -5,20 +5,18 @@
 #ifndef BLVD_TOOLS_READ_OSM_READER_H
 #define BLVD_TOOLS_READ_OSM_READER_H
 
+#include "tools/city/box_index.h"
 #include "tools/city/city.h"
 #include "tools/read/osm_store.h"
 #include "tools/read/shape.h"
 #include "tools/read/tag_value.h"
-
-struct bounds {
-	struct dvec2 min, max; /* city frame, m */
-};
 
 struct osm_reader {
 	struct city *city;       /* borrowed; its frame is set */
 	struct osm_store *store; /* borrowed; projected */
 	struct shaper shaper;
 	struct bounds built; /* of buildings and drivable ways */
+	struct ring hull;    /* convex, around the same */
 	bool clip;           /* --bbox: nothing beyond `built` is wanted */
 	ARRAY(struct node_alias) aliases;
 };
@@ -39,11 +37,12 @@ void osm_make_areas(struct osm_reader *reader);
 void osm_make_trees(struct osm_reader *reader);
 
 /* Polygons of a closed way, or of a multipolygon's members, appended to `out`. `strict`: what should be an area but is
- * not closed is a fault; otherwise it is simply not an area. Returns the number appended; marks fates. */
+ * not closed is a fault; otherwise it is simply not an area. `cut_margin_m`: how far beyond the built-up area to draw
+ * what the edge of the data cuts, or < 0: such things are dropped. Returns the number appended; marks fates. */
 size_t osm_way_polygons(
 	struct osm_reader *reader, struct osm_way *way, double least_m2, bool strict, polygon_array *out);
 size_t osm_relation_polygons(
-	struct osm_reader *reader, struct osm_relation *relation, double least_m2, polygon_array *out);
+	struct osm_reader *reader, struct osm_relation *relation, double least_m2, double cut_margin_m, polygon_array *out);
 
 /* The tags that say what a multipolygon is: its own, or (old style) those of its outer ways. */
 struct osm_tags osm_relation_tags(const struct osm_reader *reader, const struct osm_relation *relation);

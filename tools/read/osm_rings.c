@@ -312,16 +312,16 @@ static void mark_members(struct osm_reader *reader, const struct osm_relation *r
 }
 
 size_t osm_relation_polygons(
-	struct osm_reader *reader, struct osm_relation *relation, double least_m2, polygon_array *out)
+	struct osm_reader *reader, struct osm_relation *relation, double least_m2, double cut_margin_m, polygon_array *out)
 {
 	chain_array chains = { 0 }, open = { 0 };
 	size_t missing = gather(reader, relation, &chains), made = 0;
 	chains_join(&chains, true);
 	split_open(&chains, &open);
 	int64_t id = -relation->id;
-	if (open.count && cut_reaches_out(reader, &open)) {
+	if (open.count && cut_margin_m >= 0.0 && cut_reaches_out(reader, &open)) {
 		/* An extract's edge runs through it: its rings are closed along the edge, all of them together. */
-		made = cut_polygons(reader, &chains, &open, NULL, out);
+		made = cut_polygons(reader, &chains, &open, cut_margin_m, false, out);
 		report_fault(reader->city->report, FAULT_OPEN_RING, made ? FAULT_MENDED : FAULT_DROPPED, id);
 	} else {
 		close_or_drop(reader, id, &open, &chains);

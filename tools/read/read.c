@@ -6,8 +6,10 @@
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
 #include "tools/bake/bake.h"
+#include "tools/read/osm_cut.h"
 #include "tools/read/osm_parse.h"
 #include "tools/read/osm_reader.h"
+#include "tools/read/settle.h"
 #include "tools/read/traffic_side.h"
 
 #define OSM_CREDIT "\xC2\xA9 OpenStreetMap contributors, ODbL"
@@ -178,11 +180,13 @@ static void make_osm(struct city *city, struct osm_store *store, const struct ge
 	osm_store_project(store, &city->frame);
 	shaper_init(&reader.shaper, &city->pool, city->report);
 	reader.built = plane_bounds(city, bounds);
+	reader.hull = cut_hull(&reader);
 	osm_make_buildings(&reader);
 	osm_make_ways(&reader);
 	osm_make_restrictions(&reader);
 	osm_make_areas(&reader);
 	osm_make_trees(&reader);
+	settle_buildings(city, &reader.shaper, city->buildings.count);
 	shaper_finish(&reader.shaper);
 	ARRAY_FINISH(&reader.aliases);
 }
