@@ -59,8 +59,8 @@ struct palette {
 /* Linear light. Day: high sun; dusk: sun on the horizon; night: moon. Kept a little below white so that the route,
  * drawn on top, stays the brightest thing. */
 static const struct palette day = {
-	.sun = { 0.96f, 0.88f, 0.76f },
-	.sky = { 0.50f, 0.56f, 0.66f },
+	.sun = { 1.08f, 0.97f, 0.82f },
+	.sky = { 0.50f, 0.535f, 0.585f },
 	.ground = { 0.27f, 0.25f, 0.23f },
 	.haze = { 0.62f, 0.70f, 0.78f },
 	.zenith = { 0.17f, 0.33f, 0.60f },
@@ -73,9 +73,9 @@ static const struct palette dusk = {
 	.zenith = { 0.060f, 0.095f, 0.21f },
 };
 static const struct palette night = {
-	.sun = { 0.022f, 0.028f, 0.044f },
-	.sky = { 0.030f, 0.038f, 0.062f },
-	.ground = { 0.016f, 0.017f, 0.024f },
+	.sun = { 0.030f, 0.037f, 0.056f },
+	.sky = { 0.050f, 0.062f, 0.096f },
+	.ground = { 0.026f, 0.027f, 0.036f },
 	.haze = { 0.020f, 0.026f, 0.044f },
 	.zenith = { 0.0045f, 0.0065f, 0.0150f },
 };

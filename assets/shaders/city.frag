@@ -14,7 +14,7 @@ uniform sampler2D u_light_map;
 
 out mediump vec4 o_color;
 
-const vec3 LAMP_LIGHT = vec3(0.42, 0.29, 0.15);
+const vec3 LAMP_LIGHT = vec3(0.56, 0.40, 0.22);
 const vec3 WARM_ROOM = vec3(0.62, 0.40, 0.17);
 const vec3 COOL_ROOM = vec3(0.42, 0.44, 0.42);
 const vec3 SHOP_LIGHT = vec3(0.70, 0.55, 0.34);

@@ -148,16 +148,22 @@ static struct renderer_time time_of(const struct shot *shot, const struct pkg *p
 	return time;
 }
 
-/* Without --pose: above the middle, looking north and down. */
+/* Without --pose: over the south of the streets (their mean, and spread), looking north and down. */
 static void default_pose(struct shot *shot, const struct pkg *pkg)
 {
-	if (shot->posed)
+	double sum[2] = { 0 }, spread = 0.0, count = pkg->graph.node_count;
+	if (shot->posed || pkg->graph.node_count == 0)
 		return;
-	double size_m = (pkg->meta->max_mm[1] - (double)pkg->meta->min_mm[1]) * 1e-3;
-	shot->east_m = (pkg->meta->min_mm[0] + (double)pkg->meta->max_mm[0]) * 0.5e-3;
-	shot->north_m = pkg->meta->min_mm[1] * 1e-3 - size_m * 0.2;
-	shot->height_m = size_m * 0.6 + 50.0;
-	shot->pitch_deg = -40.0;
+	for (uint32_t i = 0; i < pkg->graph.node_count; i++)
+		for (int axis = 0; axis < 2; axis++)
+			sum[axis] += pkg->graph.nodes[i].pos_mm[axis] * 1e-3;
+	for (uint32_t i = 0; i < pkg->graph.node_count; i++)
+		spread += fabs(pkg->graph.nodes[i].pos_mm[1] * 1e-3 - sum[1] / count);
+	spread /= count;
+	shot->east_m = sum[0] / count;
+	shot->north_m = sum[1] / count - spread * 2.5;
+	shot->height_m = spread * 1.5 + 40.0;
+	shot->pitch_deg = -35.0;
 }
 
 static void draw(const struct shot *shot, const struct pkg *pkg, struct renderer *renderer)
