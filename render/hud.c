@@ -9,9 +9,22 @@ void hud_take(struct hud *hud, struct box box)
 		hud->taken[hud->taken_count++] = box;
 }
 
-void hud_card(struct hud *hud, struct box box, struct rgba color)
+bool hud_free(const struct hud *hud, struct box box, float gap)
 {
-	float s = hud->scale, radius = 14.0f * s;
+	if (box.x0 < 0.0f || box.y0 < 0.0f || box.x1 > hud->width || box.y1 > hud->height)
+		return false;
+	for (uint32_t i = 0; i < hud->taken_count; i++) {
+		const struct box *other = &hud->taken[i];
+		if (box.x0 - gap < other->x1 && box.x1 + gap > other->x0 && box.y0 - gap < other->y1 &&
+			box.y1 + gap > other->y0)
+			return false;
+	}
+	return true;
+}
+
+static void draw_card(struct hud *hud, struct box box, float radius, struct rgba color)
+{
+	float s = hud->scale;
 	struct box shadow = { box.x0 - 1.0f * s, box.y0 + 2.0f * s, box.x1 + 1.0f * s, box.y1 + 4.0f * s };
 	canvas_rounded_box(hud->canvas, shadow, radius, 12.0f * s, hud->palette->shadow);
 	if (hud->palette->card_edge.a > 0.01f) {
@@ -20,6 +33,11 @@ void hud_card(struct hud *hud, struct box box, struct rgba color)
 	}
 	canvas_rounded_box(hud->canvas, box, radius, 1.0f, color);
 	hud_take(hud, box);
+}
+
+void hud_card(struct hud *hud, struct box box, struct rgba color)
+{
+	draw_card(hud, box, 14.0f * hud->scale, color);
 }
 
 float hud_text(struct hud *hud, const struct text_line *line, float x, float y, float size_px, struct rgba color,
@@ -35,8 +53,7 @@ void hud_compass(struct hud *hud, float heading_rad)
 	float s = hud->scale, radius = 32.0f * s;
 	struct vec2 center = { hud->width - hud->margin - radius, hud->margin + radius };
 	hud->corner = (struct box){ center.x - radius, center.y - radius, center.x + radius, center.y + radius };
-	hud_card(hud, hud->corner, rgba_fade(hud->palette->card, 0.0f));
-	canvas_disc(hud->canvas, center, radius, hud->palette->card);
+	draw_card(hud, hud->corner, radius, hud->palette->card);
 	/* north is to the left of up by the heading */
 	float dx = -sinf(heading_rad), dy = -cosf(heading_rad);
 	const struct vec2 needle[3] = {

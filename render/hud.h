@@ -29,6 +29,7 @@ struct hud {
 	int32_t zone_minutes;     /* local time minus UTC */
 	bool zone_known;
 	float scale, width, height, margin;
+	bool compact;      /* so low a screen that a message takes the place of lesser things */
 	float bottom;      /* lowest y that cards may reach: above the credit */
 	struct box next;   /* the manoeuvre card, or empty at the margin */
 	struct box corner; /* the compass */
@@ -39,6 +40,8 @@ struct hud {
 
 /* hud.c */
 void hud_take(struct hud *hud, struct box box);
+/* Nothing is written there yet, with `gap` around it, and it is on the screen. */
+bool hud_free(const struct hud *hud, struct box box, float gap);
 void hud_card(struct hud *hud, struct box box, struct rgba color);
 /* Left, centred or right of x, its capitals centred on y; cut to max_width when that is > 0. */
 float hud_text(struct hud *hud, const struct text_line *line, float x, float y, float size_px, struct rgba color,

@@ -19,11 +19,18 @@ static struct manoeuvre_icon icon_of(const struct hud *hud, const struct nav_ste
 	};
 }
 
-static float card_width(const struct hud *hud)
+#define TEXT_LEFT_PX 130.0f /* of a card: the icon and its margins */
+#define TEXT_RIGHT_PX 20.0f
+#define STREET_PX 34.0f
+#define STREET_SMALL_PX 28.0f
+
+/* Wide enough for the street, within limits: the same as long as the manoeuvre is the same. */
+static float card_width(const struct hud *hud, const struct text_line *street)
 {
-	float s = hud->scale, room = hud->width - 2.0f * hud->margin - 76.0f * s;
-	float wanted = hud->width > hud->height ? fmaxf(430.0f * s, 0.30f * hud->width) : room;
-	return fminf(wanted, room);
+	float s = hud->scale, room = hud->width - 2.0f * hud->margin - 80.0f * s;
+	float wanted = text_width_em(hud->font, street) * STREET_PX * s + (TEXT_LEFT_PX + TEXT_RIGHT_PX) * s + 2.0f;
+	float most = hud->width > hud->height ? fmaxf(560.0f * s, 0.42f * hud->width) : room;
+	return fminf(fminf(fmaxf(wanted, 430.0f * s), most), room);
 }
 
 static void draw_soon(struct hud *hud, struct box card, const struct nav_step *step)
@@ -39,24 +46,61 @@ static void draw_soon(struct hud *hud, struct box card, const struct nav_step *s
 	hud_text(hud, &street, x, middle, 26.0f * s, hud->palette->accent_dim, TEXT_LEFT, card.x1 - x - 16.0f * s);
 }
 
-static void draw_step(struct hud *hud, struct box card, const struct nav_step *step)
+struct street_text {
+	struct text_line line;
+	char words[WORDING_MAX]; /* what to do, when the street has no name */
+	float size_px;
+	float break_em, resume_em; /* two lines: the first ends and the second starts here; 0: one line */
+};
+
+static void set_street(const struct hud *hud, const struct nav_step *step, struct street_text *out)
 {
-	char distance[WORDING_MAX], words[WORDING_MAX];
-	float s = hud->scale, icon_px = 92.0f * s, text_x = card.x0 + icon_px + 38.0f * s;
-	float room = card.x1 - text_x - 18.0f * s;
+	out->line = text_line_string(hud->font, step->street);
+	if (text_line_empty(&out->line)) {
+		wording_manoeuvre(out->words, step->manoeuvre, step->exit);
+		out->line = text_line_utf8(out->words);
+	}
+}
+
+static void fit_street(const struct hud *hud, struct street_text *text, float room)
+{
+	float width = text_width_em(hud->font, &text->line);
+	text->size_px = text_fit(hud->font, &text->line, STREET_PX * hud->scale, STREET_SMALL_PX * hud->scale, room);
+	text->break_em = text->resume_em = 0.0f;
+	if (width * text->size_px > room + 0.5f && hud->height > 560.0f * hud->scale)
+		text_break(hud->font, &text->line, room / text->size_px, &text->break_em, &text->resume_em);
+}
+
+static void draw_street(struct hud *hud, const struct street_text *text, float x, float y, float room)
+{
+	float step = 36.0f * hud->scale, width = text_width_em(hud->font, &text->line);
+	if (text->break_em == 0.0f) {
+		hud_text(hud, &text->line, x, y, text->size_px, hud->palette->accent_text, TEXT_LEFT, room);
+		return;
+	}
+	struct text_style style = { .size_px = text->size_px, .fill = hud->palette->accent_text, .weight = 0.012f };
+	float down = text_middle(hud->font, text->size_px);
+	float last = fminf(width, text->resume_em + room / text->size_px);
+	bool turned = text->line.right_to_left;
+	text_draw_part(
+		hud->canvas, hud->font, &text->line, 0.0f, text->break_em, x, y + down + (turned ? step : 0.0f), &style);
+	text_draw_part(hud->canvas, hud->font, &text->line, text->resume_em, turned ? width : last, x,
+		y + down + (turned ? 0.0f : step), &style);
+}
+
+static void draw_step(struct hud *hud, struct box card, const struct nav_step *step, const struct street_text *street)
+{
+	char distance[WORDING_MAX];
+	float s = hud->scale, icon_px = 92.0f * s, text_x = card.x0 + TEXT_LEFT_PX * s;
+	float room = card.x1 - text_x - TEXT_RIGHT_PX * s;
 	struct manoeuvre_icon icon = icon_of(hud, step);
 	struct vec2 center = { card.x0 + 18.0f * s + icon_px / 2.0f, (card.y0 + card.y1) / 2.0f };
 	hud_card(hud, card, hud->palette->accent);
 	manoeuvre_icon_draw(hud->canvas, hud->font, &icon, center, icon_px);
 	wording_distance(distance, step->distance_m, hud->units);
-	wording_manoeuvre(words, step->manoeuvre, step->exit);
 	struct text_line line = text_line_utf8(distance);
 	hud_text(hud, &line, text_x, card.y0 + 46.0f * s, 52.0f * s, hud->palette->accent_text, TEXT_LEFT, room);
-	struct text_line street = text_line_string(hud->font, step->street);
-	if (text_line_empty(&street))
-		street = text_line_utf8(words);
-	float size = text_fit(hud->font, &street, 34.0f * s, 28.0f * s, room);
-	hud_text(hud, &street, text_x, card.y1 - 36.0f * s, size, hud->palette->accent_text, TEXT_LEFT, room);
+	draw_street(hud, street, text_x, card.y0 + 97.0f * s, room);
 }
 
 static void draw_searching(struct hud *hud, struct box card)
@@ -71,7 +115,9 @@ static void draw_searching(struct hud *hud, struct box card)
 void hud_next(struct hud *hud)
 {
 	const struct nav_view *nav = hud->nav;
-	float s = hud->scale, x = hud->margin, y = hud->margin, width = card_width(hud);
+	struct street_text street;
+	set_street(hud, &nav->next, &street);
+	float s = hud->scale, x = hud->margin, y = hud->margin, width = card_width(hud, &street.line);
 	hud->next = (struct box){ x, y, x, y };
 	if (!nav->located)
 		return;
@@ -82,10 +128,12 @@ void hud_next(struct hud *hud)
 	}
 	if (!nav->routed || nav->next.manoeuvre == NAV_MANOEUVRE_NONE)
 		return;
-	hud->next = (struct box){ x, y, x + width, y + 132.0f * s };
-	draw_step(hud, hud->next, &nav->next);
+	fit_street(hud, &street, width - (TEXT_LEFT_PX + TEXT_RIGHT_PX) * s);
+	float height = (street.break_em > 0.0f ? 168.0f : 132.0f) * s;
+	hud->next = (struct box){ x, y, x + width, y + height };
+	draw_step(hud, hud->next, &nav->next, &street);
 	const struct nav_step *soon = &nav->after_next;
-	if (soon->manoeuvre == NAV_MANOEUVRE_NONE || nav->next.manoeuvre == NAV_MANOEUVRE_ARRIVE ||
+	if (hud->compact || soon->manoeuvre == NAV_MANOEUVRE_NONE || nav->next.manoeuvre == NAV_MANOEUVRE_ARRIVE ||
 		soon->distance_m - nav->next.distance_m > SOON_M)
 		return;
 	struct box below = { x, hud->next.y1 + 8.0f * s, x + width, hud->next.y1 + 64.0f * s };

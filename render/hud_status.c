@@ -44,8 +44,13 @@ void hud_status(struct hud *hud)
 		if (right - width < hud->next.x1 + gap)
 			y = fmaxf(y, hud->next.y1 + gap);
 	}
-	float left = fmaxf(right - width, hud->margin);
-	draw_pill(hud, (struct box){ left, y, right, y + height }, &line);
+	struct box box = { fmaxf(right - width, hud->margin), y, right, y + height };
+	for (int i = 0; i < 8 && !hud_free(hud, box, 2.0f * s); i++) {
+		box.y0 += height / 2.0f;
+		box.y1 += height / 2.0f;
+	}
+	if (hud_free(hud, box, 2.0f * s))
+		draw_pill(hud, box, &line);
 }
 
 void hud_message(struct hud *hud, const char *text)
@@ -60,5 +65,11 @@ void hud_message(struct hud *hud, const char *text)
 		if (box->y0 > hud->height / 2.0f && box->x0 < x + width + gap && box->x1 > x - gap)
 			lowest = fminf(lowest, box->y0 - gap);
 	}
-	draw_pill(hud, (struct box){ x, lowest - height, x + width, lowest }, &line);
+	struct box box = { x, lowest - height, x + width, lowest };
+	for (int i = 0; i < 12 && !hud_free(hud, box, 2.0f * s); i++) {
+		box.y0 -= height / 4.0f;
+		box.y1 -= height / 4.0f;
+	}
+	if (hud_free(hud, box, 2.0f * s))
+		draw_pill(hud, box, &line);
 }

@@ -39,7 +39,7 @@ void hud_trip(struct hud *hud)
 	hud_text(hud, &second, middle, card.y1 - 27.0f * s, size, hud->palette->text_dim, TEXT_CENTER, room);
 }
 
-/* In the middle when there is room between the other two, else in a row of its own above them. */
+/* In the middle between the other two when it fits there, else in a row of its own above them, else shortened. */
 void hud_street(struct hud *hud)
 {
 	const struct nav_view *nav = hud->nav;
@@ -47,16 +47,17 @@ void hud_street(struct hud *hud)
 	if (!nav->located || text_line_empty(&street))
 		return;
 	float s = hud->scale, size = 32.0f * s, pad = 24.0f * s, height = 58.0f * s, gap = 16.0f * s;
-	float left = hud->speed.x1 + gap, right = hud->trip.x0 - gap, middle = hud->width / 2.0f;
-	float wanted = text_width_em(hud->font, &street) * size + 2.0f * pad;
-	float y1 = hud->bottom;
-	float half = fminf(middle - left, right - middle);
-	if (2.0f * half < fminf(wanted, 300.0f * s)) {
-		half = middle - hud->margin;
-		y1 = fminf(hud->speed.y0, hud->trip.y0) - gap;
+	float middle = hud->width / 2.0f, wanted = text_width_em(hud->font, &street) * size / 2.0f + pad;
+	float between = fminf(middle - hud->speed.x1, hud->trip.x0 - middle) - gap;
+	float half = fminf(wanted, between), y1 = hud->bottom;
+	float row = fminf(hud->speed.y0, hud->trip.y0) - gap, whole = fminf(wanted, middle - hud->margin);
+	if (half < wanted && hud_free(hud, (struct box){ middle - whole, row - height, middle + whole, row }, 4.0f * s)) {
+		half = whole;
+		y1 = row;
 	}
-	half = fminf(half, wanted / 2.0f);
 	struct box card = { middle - half, y1 - height, middle + half, y1 };
+	if (half < 2.5f * pad || !hud_free(hud, card, 2.0f * s))
+		return;
 	hud_card(hud, card, hud->palette->card);
 	hud_text(
 		hud, &street, middle, y1 - height / 2.0f, size, hud->palette->text, TEXT_CENTER, 2.0f * (half - pad) + 2.0f);

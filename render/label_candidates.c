@@ -98,12 +98,12 @@ struct arm {
 	double score; /* how well it is seen: sideways, to the right of the road user's side */
 };
 
-static bool already_near(const struct labels *labels, uint32_t name, const int32_t at[3])
+static bool name_near(const struct labels *labels, uint32_t name, const int32_t at[3], double within_m)
 {
 	for (uint32_t i = 0; i < labels->candidate_count; i++) {
 		const struct label_candidate *other = &labels->candidates[i];
-		if (other->string == name &&
-			hypot((double)at[0] - other->at_mm[0], (double)at[1] - other->at_mm[1]) < SAME_NAME_M * 1e3)
+		double dx = (double)other->at_mm[0] - at[0], dy = (double)other->at_mm[1] - at[1];
+		if (other->string == name && hypot(dx, dy) < within_m * 1e3)
 			return true;
 	}
 	return false;
@@ -116,7 +116,7 @@ static void add_arm(struct labels *labels, uint32_t half, enum label_rank rank, 
 	struct label_candidate candidate = { .string = edge->name, .rank = rank, .order = order };
 	candidate.key = hash_u64((uint64_t)graph->halves[half].origin << 32 | edge->name);
 	point_on_half(graph, half, ARM_M, candidate.at_mm);
-	if (already_near(labels, edge->name, candidate.at_mm))
+	if (name_near(labels, edge->name, candidate.at_mm, SAME_NAME_M))
 		return;
 	candidate.at_mm[2] += HEIGHT_MM;
 	memcpy(candidate.towards_mm, candidate.at_mm, sizeof(candidate.towards_mm));
@@ -231,26 +231,50 @@ int label_grid_init(struct labels *labels, struct arena *arena)
 	return 0;
 }
 
-/* One candidate per edge that is long enough on the screen for its name. */
-static void add_edge(struct labels *labels, const struct labels_input *input, uint32_t edge_id, double m_per_px)
+/* Where an eye-relative point is on the screen, -1 to 1 across it; outside of that when it is not seen. */
+static bool on_screen(const struct view *view, const int32_t at_mm[3])
+{
+	int64_t at[3] = { at_mm[0], at_mm[1], at_mm[2] };
+	struct vec3 eye = view_relative(view, at);
+	float depth = vec3_dot(eye, view->forward);
+	return depth > 0.5f && fabsf(vec3_dot(eye, view->right)) < depth * view->tan_half_x &&
+		   fabsf(vec3_dot(eye, view->up)) < depth * view->tan_half_y;
+}
+
+/* An edge whose name, on the screen, is at most 1 / `share` of its length. A name stands once within `apart_m`. */
+struct edge_rule {
+	double m_per_px, share, apart_m;
+};
+
+static void add_edge(
+	struct labels *labels, const struct labels_input *input, uint32_t edge_id, const struct edge_rule *rule)
 {
 	const struct pkg_graph *graph = &labels->pkg->graph;
 	const struct pkg_edge *edge = &graph->edges[edge_id];
 	struct text_line line = text_line_string(labels->font, edge->name);
-	double width_m = text_width_em(labels->font, &line) * 24.0 * input->scale * m_per_px;
-	if (width_m <= 0.0 || edge->length_mm * 1e-3 < 0.55 * width_m)
+	double width_m = text_width_em(labels->font, &line) * 24.0 * input->scale * rule->m_per_px;
+	if (width_m <= 0.0 || edge->length_mm * 1e-3 < rule->share * width_m)
 		return;
-	struct label_candidate candidate = { .string = edge->name, .along = true };
+	struct label_candidate candidate = { .string = edge->name, .along = true, .edge = edge_id };
 	bool current = input->nav->located && edge->name == input->nav->street;
+	double middle_m = edge->length_mm * 0.5e-3;
 	candidate.rank = current ? LABEL_CURRENT : LABEL_STREET;
 	candidate.order = edge->street_class * 1000000u + 999999u - (uint32_t)fmin(edge->length_mm * 0.1, 999999.0);
 	candidate.key = hash_u64((uint64_t)edge_id << 32 | UINT64_C(0x80000000) | edge->name);
-	double middle_m = edge->length_mm * 0.5e-3;
 	point_on_half(graph, 2 * edge_id, middle_m, candidate.at_mm);
 	point_on_half(graph, 2 * edge_id, fmax(middle_m - 15.0, 0.0), candidate.towards_mm);
 	candidate.at_mm[2] += 500;
 	candidate.towards_mm[2] += 500;
-	add_candidate(labels, &candidate);
+	if (on_screen(input->view, candidate.at_mm) && !name_near(labels, edge->name, candidate.at_mm, rule->apart_m))
+		add_candidate(labels, &candidate);
+}
+
+/* Names that stand already go first: they keep their places while the picture moves. */
+static void add_living(struct labels *labels, const struct labels_input *input, const struct edge_rule *rule)
+{
+	for (uint32_t i = 0; i < LABELS_MAX; i++)
+		if (labels->slots[i].used && labels->slots[i].on && labels->slots[i].what.along)
+			add_edge(labels, input, labels->slots[i].what.edge, rule);
 }
 
 /* Where the middle of the picture meets the ground, and how far from it can be seen; clamped to a few km. */
@@ -265,15 +289,10 @@ static void ground_in_view(const struct view *view, int32_t ground_mm, int64_t c
 	*radius_m = fmin(1.3 * reach * fmax(view->tan_half_x, view->tan_half_y), 4000.0);
 }
 
-static void find_around(struct labels *labels, const struct labels_input *input)
+static void add_cells(struct labels *labels, const struct labels_input *input, const int64_t center[2], double radius_m,
+	const struct edge_rule *rule)
 {
-	int64_t center[2];
-	double radius_m;
 	uint32_t seen = 0;
-	ground_in_view(input->view, (int32_t)input->nav->pos_mm[2], center, &radius_m);
-	double distance_m = fmax((double)(input->view->eye_mm[2] - input->nav->pos_mm[2]) * 1e-3, 10.0) /
-						fmax(-(double)input->view->forward.z, 0.2);
-	double m_per_px = distance_m / fmax(input->view->focal_px, 1.0f);
 	int64_t reach = (int64_t)(radius_m * 1e3);
 	int32_t low[3] = { 0 }, high[3] = { 0 };
 	for (int axis = 0; axis < 2; axis++) {
@@ -286,8 +305,25 @@ static void find_around(struct labels *labels, const struct labels_input *input)
 			uint32_t cell = row * labels->columns + column;
 			for (uint32_t i = labels->cell_first[cell]; i < labels->cell_first[cell + 1]; i++)
 				if (seen++ < OVERVIEW_EDGES_MAX)
-					add_edge(labels, input, labels->cell_edges[i], m_per_px);
+					add_edge(labels, input, labels->cell_edges[i], rule);
 		}
+}
+
+/* First edges that their names fit well, then shorter ones. */
+static void find_around(struct labels *labels, const struct labels_input *input)
+{
+	int64_t center[2];
+	double radius_m;
+	ground_in_view(input->view, (int32_t)input->nav->pos_mm[2], center, &radius_m);
+	double distance_m = fmax((double)(input->view->eye_mm[2] - input->nav->pos_mm[2]) * 1e-3, 10.0) /
+						fmax(-(double)input->view->forward.z, 0.2);
+	struct edge_rule rule = { .m_per_px = distance_m / fmax((double)input->view->focal_px, 1.0), .share = 0.5 };
+	rule.apart_m = 420.0 * input->scale * rule.m_per_px;
+	add_living(labels, input, &rule);
+	rule.share = 1.0;
+	add_cells(labels, input, center, radius_m, &rule);
+	rule.share = 0.6;
+	add_cells(labels, input, center, radius_m, &rule);
 }
 
 void label_candidates_find(struct labels *labels, const struct labels_input *input)

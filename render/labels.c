@@ -11,6 +11,8 @@
 #define REST_NS (900 * NS_PER_MS)     /* stays away for so long after it went */
 #define NEAR_M 9.0f                   /* fades out as it comes this near */
 #define FAR_M 330.0f
+#define APPROACH_S 4.0f /* how far ahead its way is clear; more than LIFE_S since approaches quicken */
+#define TURNING_RPS 0.12f
 #define LIFE_S 1.6f         /* not shown when the car passes it sooner */
 #define CLEAR_ON_PX 26.0f   /* at 720: free space around it to appear */
 #define CLEAR_OFF_PX 7.0f   /* less: it goes */
@@ -184,17 +186,33 @@ static bool name_is_on(const struct labels *labels, const struct label *label, c
 	return false;
 }
 
+/* A label that is about to run into something goes while there is still time to fade. */
+static void follow_room(struct label *label, float room, float seconds)
+{
+	/* a jump is a neighbour that came or went, not an approach */
+	float closing = seconds > 0.0f ? fmaxf((label->room_px - room) / seconds, 0.0f) : 1e9f;
+	if (closing < 1500.0f)
+		label->closing_pps += (closing - label->closing_pps) * fminf(seconds / 0.1f, 1.0f);
+	label->room_px = room;
+}
+
 static void decide(struct labels *labels, struct label *label, const struct labels_input *input,
-	const struct label *const *placed, uint32_t placed_count)
+	const struct label *const *placed, uint32_t placed_count, float step)
 {
 	bool seen = place(labels, label, input);
 	float room = seen ? clearance(label, input, placed, placed_count) / input->scale : -1.0f;
 	bool keep = seen && label->wanted && !label->evicted && in_reach(label, input);
+	follow_room(label, room, step * FADE_S);
+	/* not in its first second and a half: a name that only flashes is worse than one that is cut */
+	bool fresh = input->now_ns - label->on_since_ns < (int64_t)(LIFE_S * 1e9f);
+	float soon = fresh ? 0.0f : label->closing_pps * FADE_S;
 	if (label->on) {
-		if (!keep || room < CLEAR_OFF_PX)
+		if (!keep || room - soon < CLEAR_OFF_PX)
 			switch_off(labels, label, input->now_ns);
 	} else {
-		bool free = keep && room >= CLEAR_ON_PX && !name_is_on(labels, label, placed, placed_count, input->scale);
+		bool lasts = room - label->closing_pps * APPROACH_S >= CLEAR_OFF_PX;
+		bool free = keep && !labels->turning && room >= CLEAR_ON_PX && lasts &&
+					!name_is_on(labels, label, placed, placed_count, input->scale);
 		if (!free)
 			label->eligible_since_ns = input->now_ns;
 		else if (input->now_ns - label->eligible_since_ns >= DEBOUNCE_NS &&
@@ -202,7 +220,8 @@ static void decide(struct labels *labels, struct label *label, const struct labe
 			switch_on(labels, label, input->now_ns);
 	}
 	float allowed = fminf(fmaxf(room / CLEAR_FULL_PX, 0.0f), 1.0f);
-	label->shown = seen ? label->alpha * allowed : 0.0f;
+	/* gone at once when it must, back only gradually */
+	label->shown = seen ? fminf(label->alpha * allowed, label->shown + step) : 0.0f;
 }
 
 static bool goes_first(const struct label *a, const struct label *b)
@@ -239,19 +258,33 @@ static void evict(struct labels *labels, const struct labels_input *input)
 	bool waiting = top && !top->on && in_reach(top, input);
 	for (uint32_t i = 0; i < LABELS_MAX; i++) {
 		struct label *label = &labels->slots[i];
+		bool fresh = label->on && input->now_ns - label->on_since_ns < (int64_t)(LIFE_S * 1e9f);
 		label->evicted =
-			waiting && label != top &&
+			!fresh && waiting && label != top &&
 			(label->what.string == top->what.string || gap(&label->box, &top->box) < CLEAR_ON_PX * input->scale);
 	}
 }
 
-static void fade(struct label *label, float seconds)
+static void fade(struct label *label, float step)
 {
-	float step = seconds / FADE_S, strong = label->what.rank == LABEL_MANOEUVRE ? 1.0f : 0.0f;
+	float strong = label->what.rank == LABEL_MANOEUVRE ? 1.0f : 0.0f;
 	label->strength += fminf(fmaxf(strong - label->strength, -step), step);
 	label->alpha = label->on ? fminf(label->alpha + step, 1.0f) : fmaxf(label->alpha - step, 0.0f);
 	if (!label->wanted && label->alpha <= 0.0f && !label->on)
 		label->used = false;
+}
+
+/* A corner ahead counts as soon as a label that appears now could not live through. */
+static bool is_turning(struct labels *labels, const struct labels_input *input, float seconds)
+{
+	const struct nav_view *nav = input->nav;
+	float turned = 1.0f - vec3_dot(labels->right, input->view->right);
+	labels->right = input->view->right;
+	float limit = TURNING_RPS * fmaxf(seconds, 1e-3f);
+	bool corner = nav->routed && nav->next.manoeuvre > NAV_MANOEUVRE_STRAIGHT &&
+				  nav->next.manoeuvre < NAV_MANOEUVRE_ARRIVE && input->kind != CAMERA_NORTH_UP;
+	/* 1 - cos x is about x^2 / 2 */
+	return turned > limit * limit / 2.0f || (corner && nav->next.distance_m < LIFE_S * nav->speed_mps + 8.0);
 }
 
 static void start_anew(struct labels *labels, const struct labels_input *input)
@@ -259,6 +292,7 @@ static void start_anew(struct labels *labels, const struct labels_input *input)
 	memset(labels->slots, 0, sizeof(labels->slots));
 	labels->kind = input->kind;
 	labels->started = true;
+	labels->right = input->view->right;
 	labels->updated_ns = input->now_ns;
 	labels->refreshed_ns = input->now_ns - REFRESH_NS;
 }
@@ -270,8 +304,9 @@ void labels_update(struct labels *labels, const struct labels_input *input)
 	uint32_t placed_count = 0;
 	if (!labels->started || input->now_ns < labels->updated_ns || input->kind != labels->kind)
 		start_anew(labels, input);
-	float seconds = (float)fmin((double)(input->now_ns - labels->updated_ns) * 1e-9, 0.25);
+	float step = (float)fmin((double)(input->now_ns - labels->updated_ns) * 1e-9, 0.25) / FADE_S;
 	labels->updated_ns = input->now_ns;
+	labels->turning = is_turning(labels, input, step * FADE_S);
 	if (input->now_ns - labels->refreshed_ns >= REFRESH_NS) {
 		label_candidates_find(labels, input);
 		take_candidates(labels, input->now_ns);
@@ -279,10 +314,10 @@ void labels_update(struct labels *labels, const struct labels_input *input)
 	}
 	uint32_t count = sort_slots(labels, order);
 	for (uint32_t i = 0; i < count; i++) {
-		decide(labels, order[i], input, placed, placed_count);
+		decide(labels, order[i], input, placed, placed_count, step);
 		if (order[i]->on || order[i]->shown > 0.0f)
 			placed[placed_count++] = order[i];
-		fade(order[i], seconds);
+		fade(order[i], step);
 	}
 	evict(labels, input);
 }

@@ -36,16 +36,19 @@ struct label_candidate {
 	int32_t at_mm[3];
 	int32_t towards_mm[3]; /* another point of its street, for labels along it */
 	bool along;            /* turned along the street, else level */
+	uint32_t edge;         /* of a label along it */
 };
 
 struct label {
 	struct label_candidate what;
 	bool used, wanted, on;
-	bool evicted;   /* has to make room for the next manoeuvre's street */
-	float strength; /* 0 an ordinary label to 1 the next manoeuvre's street */
-	bool flipped;   /* along: read in the other direction of the street */
-	float alpha;    /* of the fade */
-	float shown;    /* alpha times what the surroundings allow; what is drawn */
+	bool evicted;      /* has to make room for the next manoeuvre's street */
+	float room_px;     /* free space around it at the last frame, px at 720 */
+	float closing_pps; /* how fast that shrinks, px a second, smoothed */
+	float strength;    /* 0 an ordinary label to 1 the next manoeuvre's street */
+	bool flipped;      /* along: read in the other direction of the street */
+	float alpha;       /* of the fade */
+	float shown;       /* alpha times what the surroundings allow; what is drawn */
 	int64_t eligible_since_ns, off_since_ns, on_since_ns;
 	struct box box; /* on the screen, meaningful when shown > 0 */
 	float x, y, angle_rad, size_px;
@@ -67,6 +70,8 @@ struct labels {
 	int64_t refreshed_ns, updated_ns;
 	bool started;
 	enum camera_kind kind;
+	bool turning;      /* the picture turns, or is about to: what appears now would not stay */
+	struct vec3 right; /* of the view at the last frame */
 	struct labels_stats stats;
 	/* edges with names by the square in which their middle lies, for overviews */
 	uint32_t *cell_first; /* columns * rows + 1 */

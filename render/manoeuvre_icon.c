@@ -137,19 +137,21 @@ static void draw_exit_number(
 
 static void draw_roundabout(struct drawing *drawing, const struct text_font *font, const struct manoeuvre_icon *icon)
 {
-	const float radius = 0.46f, ring_y = 0.12f, pi = (float)BLVD_PI;
-	struct vec2 ring = to_px(drawing, 0.0f, ring_y);
+	const float radius = 0.44f, pi = (float)BLVD_PI;
 	float unit = drawing->unit_px, exit_angle = (float)bam_to_rad(icon->angle_bam);
+	/* the ring gives way to the arrow that leaves it */
+	float ring_x = -0.22f * sinf(exit_angle), ring_y = -0.02f - 0.12f * cosf(exit_angle);
+	struct vec2 ring = to_px(drawing, ring_x, ring_y);
 	float sweep = icon->right_hand ? exit_angle - pi : exit_angle + pi;
 	sweep = fabsf(sweep) < 0.35f ? (icon->right_hand ? -2.0f * pi : 2.0f * pi) : sweep;
 	canvas_arc(drawing->canvas, ring, radius * unit, STROKE * unit, 0.0f, 2.0f * pi, icon->rest);
-	line_to(drawing, 0.0f, -0.98f);
-	line_to(drawing, 0.0f, ring_y - radius);
+	line_to(drawing, ring_x, -0.98f);
+	line_to(drawing, ring_x, ring_y - radius);
 	finish_stroke(drawing);
 	canvas_arc(drawing->canvas, ring, radius * unit, STROKE * unit, icon->right_hand ? pi : -pi, sweep, icon->color);
 	float dx = sinf(exit_angle), dy = cosf(exit_angle);
-	line_to(drawing, dx * (radius - 0.02f), ring_y + dy * (radius - 0.02f));
-	line_to(drawing, dx * (radius + 0.14f), ring_y + dy * (radius + 0.14f));
+	line_to(drawing, ring_x + dx * radius, ring_y + dy * radius);
+	line_to(drawing, ring_x + dx * (radius + 0.3f), ring_y + dy * (radius + 0.3f));
 	finish_arrow(drawing);
 	draw_exit_number(drawing, font, icon, ring);
 }

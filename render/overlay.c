@@ -58,14 +58,16 @@ static void follow_light(struct overlay *overlay, const struct overlay_input *in
 	palette_mix(&overlay->palette, overlay->day);
 }
 
-static struct ribbon_look look_of(enum camera_kind kind)
+static struct ribbon_look look_of(enum camera_kind kind, float scale)
 {
 	bool above = kind == CAMERA_HEADING_UP || kind == CAMERA_NORTH_UP;
 	if (above)
-		return (struct ribbon_look){ .start_m = -1.0f, .start_fade_m = 1.0f, .end_m = 1e6f, .end_fade_m = 60.0f };
+		return (struct ribbon_look){
+			.start_m = -1.0f, .start_fade_m = 1.0f, .end_m = 1e6f, .end_fade_m = 60.0f, .least_px = 11.0f * scale
+		};
 	return (struct ribbon_look){
-		.start_m = kind == CAMERA_CHASE ? 2.0f : 4.0f,
-		.start_fade_m = 7.0f,
+		.start_m = kind == CAMERA_CHASE ? 2.5f : 5.0f,
+		.start_fade_m = kind == CAMERA_CHASE ? 7.0f : 12.0f,
 		.end_m = 900.0f,
 		.end_fade_m = 350.0f,
 		.arrow = true,
@@ -109,14 +111,17 @@ static void draw_hud(struct overlay *overlay, const struct overlay_input *input)
 		.height = (float)input->view->height,
 		.margin = 24.0f * scale,
 	};
+	const char *message = message_of(overlay, input);
+	hud.compact = hud.height < 560.0f * scale && message;
 	hud_credit(&hud);
 	hud_next(&hud);
 	hud_compass(&hud, picture_heading(input->view));
 	hud_speed(&hud);
 	hud_trip(&hud);
+	if (!hud.compact)
+		hud_status(&hud);
 	hud_street(&hud);
-	hud_status(&hud);
-	hud_message(&hud, message_of(overlay, input));
+	hud_message(&hud, message);
 	memcpy(overlay->taken, hud.taken, sizeof(overlay->taken));
 	overlay->taken_count = hud.taken_count;
 }
@@ -124,7 +129,7 @@ static void draw_hud(struct overlay *overlay, const struct overlay_input *input)
 void overlay_update(struct overlay *overlay, const struct overlay_input *input)
 {
 	overlay->view = *input->view;
-	overlay->look = look_of(input->kind);
+	overlay->look = look_of(input->kind, overlay_scale(input->view->width, input->view->height));
 	follow_light(overlay, input);
 	ribbon_update(&overlay->ribbon, overlay->pkg, input->nav, &overlay->palette);
 	canvas_begin(&overlay->canvas, input->view->width, input->view->height);

@@ -21,6 +21,7 @@ static const struct {
 	ROW(route, 0x1677FF, 1.0f, 0x2F6FD0, 1.0f),
 	ROW(route_edge, 0xBFE0FF, 1.0f, 0x7FAAE0, 1.0f),
 	ROW(route_arrow, 0xFFFFFF, 1.0f, 0xCBDDF2, 1.0f),
+	ROW(route_shade, 0x2C6FC4, 1.0f, 0x1F4677, 1.0f),
 	ROW(label, 0x1B2733, 1.0f, 0xB9C4D0, 1.0f),
 	ROW(label_halo, 0xFFFFFF, 0.92f, 0x0A1017, 0.9f),
 	ROW(label_strong, 0x0B4FB8, 1.0f, 0x8DBBF5, 1.0f),

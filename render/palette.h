@@ -9,10 +9,10 @@ struct palette {
 	struct rgba text, text_dim; /* on a card */
 	struct rgba accent;         /* the next manoeuvre's card */
 	struct rgba accent_text, accent_dim;
-	struct rgba route, route_edge, route_arrow; /* on the street */
-	struct rgba label, label_halo;              /* in the scene */
-	struct rgba label_strong;                   /* the next manoeuvre's street */
-	struct rgba warning, warning_text;          /* sensors, messages */
+	struct rgba route, route_edge, route_arrow, route_shade; /* on the street; arrow in light and shade */
+	struct rgba label, label_halo;                           /* in the scene */
+	struct rgba label_strong;                                /* the next manoeuvre's street */
+	struct rgba warning, warning_text;                       /* sensors, messages */
 	struct rgba over_limit;
 	struct rgba sign_face, sign_ring, sign_text;
 	struct rgba north;

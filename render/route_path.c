@@ -10,7 +10,7 @@
 #define STEP_MIN_M 0.05
 #define CORNER_CUT_M 7.0 /* the ribbon leaves the corner's legs this far from it */
 #define LANE_MITRE_MAX_M 14.0
-#define RIBBON_HALF_WIDTH_M 1.75
+#define RIBBON_HALF_WIDTH_M 1.6
 
 static double flat_distance(struct dvec3 a, struct dvec3 b)
 {
@@ -174,34 +174,40 @@ static struct route_path_point between(struct route_path_point a, struct route_p
 	};
 }
 
-/* Moved points lie in points[]; raw[] is free and takes a copy. Corners become quadratic Bezier arcs. */
+/* A corner between two legs becomes a circular arc that touches both. */
+static void push_corner(struct route_path *path, const struct route_path_point *at)
+{
+	struct dvec2 in = flat_direction(at[-1].at, at->at), out = flat_direction(at->at, at[1].at);
+	double cross = dvec2_cross(in, out), turn = fabs(atan2(cross, dvec2_dot(in, out)));
+	if (turn < 0.07) {
+		push_point(path, *at);
+		return;
+	}
+	double before = flat_distance(at[-1].at, at->at), after = flat_distance(at->at, at[1].at);
+	double cut = fmin(CORNER_CUT_M, 0.48 * fmin(before, after)), radius = cut / tan(fmin(turn, 3.1) / 2.0);
+	double inward = cross > 0.0 ? 1.0 : -1.0;
+	struct route_path_point start = between(*at, at[-1], cut / before), end = between(*at, at[1], cut / after);
+	int steps = (int)ceil(turn / 0.16);
+	for (int i = 0; i <= steps; i++) {
+		double t = (double)i / steps, ahead = radius * sin(turn * t), aside = inward * radius * (1.0 - cos(turn * t));
+		struct route_path_point point = between(start, end, t);
+		point.at.x = start.at.x + in.x * ahead - in.y * aside;
+		point.at.y = start.at.y + in.y * ahead + in.x * aside;
+		push_point(path, point);
+	}
+}
+
+/* Moved points lie in points[]; raw[] is free and takes a copy. */
 static void round_corners(struct route_path *path)
 {
 	uint32_t count = path->count;
-	struct route_path_point *legs = path->raw;
-	for (uint32_t i = 0; i < count; i++)
-		legs[i] = path->points[i];
+	memcpy(path->raw, path->points, count * sizeof(*path->raw));
 	path->count = 0;
 	for (uint32_t i = 0; i < count; i++) {
-		if (i == 0 || i + 1 == count) {
-			push_point(path, legs[i]);
-			continue;
-		}
-		struct dvec2 in = flat_direction(legs[i - 1].at, legs[i].at), out = flat_direction(legs[i].at, legs[i + 1].at);
-		double turn = fabs(atan2(dvec2_cross(in, out), dvec2_dot(in, out)));
-		double before = flat_distance(legs[i - 1].at, legs[i].at), after = flat_distance(legs[i].at, legs[i + 1].at);
-		int steps = turn < 0.07 ? 0 : (int)fmin(ceil(turn / 0.16), 10.0);
-		if (!steps) {
-			push_point(path, legs[i]);
-			continue;
-		}
-		double cut = fmin(CORNER_CUT_M, 0.48 * fmin(before, after));
-		struct route_path_point a = between(legs[i], legs[i - 1], cut / before);
-		struct route_path_point b = between(legs[i], legs[i + 1], cut / after);
-		for (int k = 0; k <= steps; k++) {
-			double t = (double)k / steps;
-			push_point(path, between(between(a, legs[i], t), between(legs[i], b, t), t));
-		}
+		if (i == 0 || i + 1 == count)
+			push_point(path, path->raw[i]);
+		else
+			push_corner(path, &path->raw[i]);
 	}
 }
 

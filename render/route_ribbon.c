@@ -4,17 +4,18 @@
 #include <errno.h>
 #include <math.h>
 
-#define LIFT_M 0.04      /* above the carriageway, besides the polygon offset */
-#define ARROW_POINTS 40u /* along the shaft */
-#define ARROW_VERTICES ((ARROW_POINTS - 1) * 18 + 24)
-#define ARROW_BEFORE_M 16.0
-#define ARROW_AFTER_M 15.0
+#define LIFT_M 0.04                                       /* above the carriageway, besides the polygon offset */
+#define ARROW_POINTS 40u                                  /* along the shaft */
+#define ARROW_VERTICES ((ARROW_POINTS - 1) * 24 + 6 + 18) /* shaft, its end, head */
+#define ARROW_BEFORE_M 15.0
+#define ARROW_AFTER_M 17.0
 #define ARROW_LONGEST_M 60.0
-#define ARROW_HEIGHT_M 0.9
-#define ARROW_THICK_M 0.45
-#define ARROW_HALF_WIDTH_M 0.85
-#define ARROW_HEAD_HALF_WIDTH_M 2.1
-#define ARROW_HEAD_M 4.2
+#define ARROW_HEIGHT_M 1.9 /* of its middle line above the carriageway */
+#define ARROW_HALF_WIDTH_M 0.75
+#define ARROW_HALF_THICK_M 0.45
+#define ARROW_HEAD_HALF_WIDTH_M 1.9
+#define ARROW_HEAD_HALF_THICK_M 1.5
+#define ARROW_HEAD_M 5.0
 #define ARROW_SHOWN_M 160.0f
 #define ARROW_FADE_M 30.0f
 
@@ -31,9 +32,10 @@ static int create_pipelines(struct ribbon *ribbon)
 	struct gfx_pipeline_desc desc = {
 		.program = ribbon->ribbon_program,
 		.stride = sizeof(struct ribbon_vertex),
-		.attribute_count = 3,
+		.attribute_count = 4,
 		.attributes = { { GFX_F32X3, offsetof(struct ribbon_vertex, pos) },
-			{ GFX_F32X1, offsetof(struct ribbon_vertex, lateral) }, { GFX_F32X1, offsetof(struct ribbon_vertex, s) } },
+			{ GFX_F32X2, offsetof(struct ribbon_vertex, side) }, { GFX_F32X1, offsetof(struct ribbon_vertex, lateral) },
+			{ GFX_F32X1, offsetof(struct ribbon_vertex, s) } },
 		.primitive = GFX_TRIANGLE_STRIP,
 		.blend = GFX_PREMULTIPLIED,
 		.depth = GFX_DEPTH_TEST,
@@ -105,8 +107,8 @@ static void build_ribbon(struct ribbon *ribbon)
 		struct dvec2 side = dvec2_scale(route_path_side(path, i), point->half_width);
 		for (int edge = -1; edge <= 1; edge += 2)
 			ribbon->vertices[ribbon->vertex_count++] = (struct ribbon_vertex){
-				.pos = { (float)(point->at.x + edge * side.x), (float)(point->at.y + edge * side.y),
-					(float)(point->at.z + LIFT_M) },
+				.pos = { (float)point->at.x, (float)point->at.y, (float)(point->at.z + LIFT_M) },
+				.side = { (float)side.x, (float)side.y },
 				.lateral = (float)edge,
 				.s = (float)point->s,
 			};
@@ -116,72 +118,73 @@ static void build_ribbon(struct ribbon *ribbon)
 			ribbon->vertex_count * (uint32_t)sizeof(struct ribbon_vertex));
 }
 
-static void add_corner(struct ribbon *ribbon, struct dvec3 at, double up, float shade, double s)
+static void add_corner(struct ribbon *ribbon, struct dvec3 at, float shade, double s)
 {
-	ribbon->vertices[ribbon->arrow_vertex_count++] = (struct ribbon_vertex){
-		.pos = { (float)at.x, (float)at.y, (float)(at.z + up) }, .lateral = shade, .s = (float)s
-	};
+	ribbon->vertices[ribbon->arrow_vertex_count++] =
+		(struct ribbon_vertex){ .pos = { (float)at.x, (float)at.y, (float)at.z }, .lateral = shade, .s = (float)s };
 }
 
+/* How much of the light colour each side shows. */
 #define SHADE_TOP 1.0f
-#define SHADE_SIDE 0.45f
+#define SHADE_SIDE 0.62f
+#define SHADE_END 0.45f
+#define SHADE_BELOW 0.25f
 
-static void add_top(struct ribbon *ribbon, struct dvec3 a, struct dvec3 b, struct dvec3 c, double s)
+static void add_triangle(struct ribbon *ribbon, struct dvec3 a, struct dvec3 b, struct dvec3 c, float shade, double s)
 {
-	const double up = ARROW_HEIGHT_M + ARROW_THICK_M;
-	add_corner(ribbon, a, up, SHADE_TOP, s);
-	add_corner(ribbon, b, up, SHADE_TOP, s);
-	add_corner(ribbon, c, up, SHADE_TOP, s);
+	add_corner(ribbon, a, shade, s);
+	add_corner(ribbon, b, shade, s);
+	add_corner(ribbon, c, shade, s);
 }
 
-static void add_wall(struct ribbon *ribbon, struct dvec3 a, struct dvec3 b, double s)
+static void add_quad(
+	struct ribbon *ribbon, struct dvec3 a, struct dvec3 b, struct dvec3 c, struct dvec3 d, float shade, double s)
 {
-	const double low = ARROW_HEIGHT_M, high = ARROW_HEIGHT_M + ARROW_THICK_M;
-	add_corner(ribbon, a, low, SHADE_SIDE, s);
-	add_corner(ribbon, b, low, SHADE_SIDE, s);
-	add_corner(ribbon, b, high, SHADE_SIDE, s);
-	add_corner(ribbon, a, low, SHADE_SIDE, s);
-	add_corner(ribbon, b, high, SHADE_SIDE, s);
-	add_corner(ribbon, a, high, SHADE_SIDE, s);
+	add_triangle(ribbon, a, b, c, shade, s);
+	add_triangle(ribbon, a, c, d, shade, s);
 }
 
-static struct dvec3 beside(struct dvec3 at, struct dvec2 direction, double right_m)
-{
-	return (struct dvec3){ at.x + direction.y * right_m, at.y - direction.x * right_m, at.z };
-}
-
-static void add_shaft(struct ribbon *ribbon, double from, double to)
-{
-	struct dvec3 left = { 0 }, right = { 0 };
-	for (uint32_t i = 0; i < ARROW_POINTS; i++) {
-		double s = from + (to - from) * i / (ARROW_POINTS - 1);
-		struct dvec2 direction;
-		struct dvec3 at = route_path_at(&ribbon->path, s, &direction);
-		struct dvec3 next_left = beside(at, direction, -ARROW_HALF_WIDTH_M);
-		struct dvec3 next_right = beside(at, direction, ARROW_HALF_WIDTH_M);
-		if (i > 0) {
-			add_top(ribbon, left, right, next_right, s);
-			add_top(ribbon, left, next_right, next_left, s);
-			add_wall(ribbon, right, next_right, s);
-			add_wall(ribbon, next_left, left, s);
-		} else
-			add_wall(ribbon, next_left, next_right, s);
-		left = next_left;
-		right = next_right;
-	}
-}
-
-static void add_head(struct ribbon *ribbon, double s)
+/* Corners of the box section across the arrow: left low, right low, right high, left high. */
+static void section_at(
+	const struct ribbon *ribbon, double s, double half_width, double half_thick, struct dvec3 out[4], struct dvec3 *tip)
 {
 	struct dvec2 direction;
 	struct dvec3 at = route_path_at(&ribbon->path, s, &direction);
-	struct dvec3 left = beside(at, direction, -ARROW_HEAD_HALF_WIDTH_M);
-	struct dvec3 right = beside(at, direction, ARROW_HEAD_HALF_WIDTH_M);
-	struct dvec3 tip = { at.x + direction.x * ARROW_HEAD_M, at.y + direction.y * ARROW_HEAD_M, at.z };
-	add_top(ribbon, left, right, tip, s);
-	add_wall(ribbon, left, right, s);
-	add_wall(ribbon, right, tip, s);
-	add_wall(ribbon, tip, left, s);
+	at.z += ARROW_HEIGHT_M;
+	for (int i = 0; i < 4; i++) {
+		double right = i == 1 || i == 2 ? half_width : -half_width, up = i >= 2 ? half_thick : -half_thick;
+		out[i] = (struct dvec3){ at.x + direction.y * right, at.y - direction.x * right, at.z + up };
+	}
+	if (tip)
+		*tip = (struct dvec3){ at.x + direction.x * ARROW_HEAD_M, at.y + direction.y * ARROW_HEAD_M, at.z };
+}
+
+static const float side_shades[4] = { SHADE_BELOW, SHADE_SIDE, SHADE_TOP, SHADE_SIDE };
+
+static void add_shaft(struct ribbon *ribbon, double from, double to)
+{
+	struct dvec3 last[4] = { { 0 } }, next[4];
+	for (uint32_t i = 0; i < ARROW_POINTS; i++) {
+		double s = from + (to - from) * i / (ARROW_POINTS - 1);
+		section_at(ribbon, s, ARROW_HALF_WIDTH_M, ARROW_HALF_THICK_M, next, NULL);
+		if (i == 0)
+			add_quad(ribbon, next[0], next[1], next[2], next[3], SHADE_END, s);
+		for (uint32_t side = 0; i > 0 && side < 4; side++) {
+			uint32_t end = (side + 1) % 4;
+			add_quad(ribbon, last[side], last[end], next[end], next[side], side_shades[side], s);
+		}
+		memcpy(last, next, sizeof(last));
+	}
+}
+
+/* A pyramid, so that it points the same way from wherever it is seen. */
+static void add_head(struct ribbon *ribbon, double s)
+{
+	struct dvec3 base[4], tip;
+	section_at(ribbon, s, ARROW_HEAD_HALF_WIDTH_M, ARROW_HEAD_HALF_THICK_M, base, &tip);
+	add_quad(ribbon, base[0], base[1], base[2], base[3], SHADE_END, s);
+	for (uint32_t side = 0; side < 4; side++)
+		add_triangle(ribbon, base[side], base[(side + 1) % 4], tip, side_shades[side], s);
 }
 
 static bool wants_arrow(const struct nav_view *nav)
@@ -264,8 +267,10 @@ static void fill_constants(const struct ribbon *ribbon, const struct view *view,
 	float end = fminf(look->end_m, path_end);
 	float end_fade = ribbon->path.whole && end == path_end ? 0.5f : look->end_fade_m;
 	memcpy(out->fade, (float[4]){ look->start_m, look->start_fade_m, end, end_fade }, 16);
-	bool chevrons = ribbon->arrow_vertex_count > 0;
-	memcpy(out->manoeuvre, (float[4]){ (float)ribbon->arrow_s, chevrons ? 45.0f : 0.0f, alpha, 0.0f }, 16);
+	bool chevrons = look->arrow && ribbon->arrow_vertex_count > 0;
+	memcpy(out->manoeuvre,
+		(float[4]){ (float)ribbon->arrow_s, chevrons ? 45.0f : 0.0f, alpha, look->least_px / 2.0f / view->focal_px },
+		16);
 }
 
 static void draw_strip(const struct ribbon *ribbon, gfx_pipeline pipeline, const struct ribbon_constants *constants)
@@ -292,7 +297,7 @@ void ribbon_draw(
 		return;
 	constants.manoeuvre[2] = ribbon->arrow_alpha;
 	put_color(constants.color, ribbon->palette.route_arrow);
-	put_color(constants.edge, ribbon->palette.route);
+	put_color(constants.edge, ribbon->palette.route_shade);
 	struct gfx_draw draw = {
 		.pipeline = ribbon->arrow,
 		.vertices = ribbon->arrow_buffer,

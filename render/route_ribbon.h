@@ -14,7 +14,8 @@
 #include "render/view.h"
 
 struct ribbon_vertex {
-	float pos[3];  /* m from the path's origin */
+	float pos[3];  /* m from the path's origin; of the ribbon's middle */
+	float side[2]; /* from there to the right edge; 0 for the arrow */
 	float lateral; /* ribbon: -1 left edge to 1 right edge; arrow: shade 0 to 1 */
 	float s;       /* m along the path */
 };
@@ -40,7 +41,8 @@ struct ribbon {
 struct ribbon_look {
 	float start_m, start_fade_m;
 	float end_m, end_fade_m;
-	bool arrow; /* the arrow over the junction is wanted */
+	float least_px; /* wide at least, on the screen; for overviews */
+	bool arrow;     /* the arrow over the junction and the chevrons before it are wanted */
 };
 
 /* `points` 0 takes 4,096. Returns 0, -ENOMEM, -EINVAL (shader). */

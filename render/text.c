@@ -195,21 +195,109 @@ static void draw_between(const struct pen *pen, const struct text_line *line, fl
 	}
 }
 
+/* The last place not beyond `limit_em` where a glyph ends (with `from_left` false: the first one where a glyph starts).
+ */
+static float glyph_edge(const struct text_font *font, const struct text_line *line, float limit_em, bool from_left)
+{
+	float best = from_left ? 0.0f : limit_em, x = 0.0f;
+	bool found = false;
+	const char *at = line->utf8;
+	for (uint32_t i = 0; line->shaped ? i < line->shaped->glyph_count : *at != 0; i++) {
+		uint32_t glyph;
+		if (line->shaped) {
+			const struct pkg_glyph_at *run = &font->pkg->glyph_runs[line->shaped->first_glyph + i];
+			x = run->x_em;
+			glyph = run->glyph;
+		} else
+			glyph = glyph_of(font, next_codepoint(&at));
+		float advance = glyph == PKG_NONE ? 0.0f : glyph_at(font, glyph)->advance_em;
+		bool blank = glyph == PKG_NONE || !glyph_at(font, glyph)->atlas_width;
+		if (from_left && !blank && x + advance <= limit_em && x + advance > best)
+			best = x + advance;
+		if (!from_left && !blank && x >= limit_em && (!found || x < best)) {
+			best = x;
+			found = true;
+		}
+		x += advance;
+	}
+	return best;
+}
+
+/* Shortened with an ellipsis at the end of reading, close to the last letter that is left. */
 static void draw_cut(struct pen *pen, const struct text_line *line, float width_em, float limit_em)
 {
 	struct text_line dots = text_line_utf8("\xE2\x80\xA6");
 	float dots_em = text_width_em(pen->font, &dots), kept = fmaxf(limit_em - dots_em, 0.0f);
 	struct vec2 origin = pen->origin;
 	if (!line->right_to_left) {
+		kept = glyph_edge(pen->font, line, kept, true);
 		draw_between(pen, line, 0.0f, kept);
 		pen->origin = pen_place(pen, kept, 0.0f);
 		draw_between(pen, &dots, 0.0f, dots_em);
 		return;
 	}
+	float start = glyph_edge(pen->font, line, width_em - kept, false);
+	pen->origin = pen_place(pen, limit_em - width_em + start - dots_em, 0.0f);
 	draw_between(pen, &dots, 0.0f, dots_em);
-	pen->origin = pen_place(pen, limit_em - width_em, 0.0f);
-	draw_between(pen, line, width_em - kept, width_em);
 	pen->origin = origin;
+	pen->origin = pen_place(pen, limit_em - width_em, 0.0f);
+	draw_between(pen, line, start, width_em);
+}
+
+bool text_break(const struct text_font *font, const struct text_line *line, float limit_em, float *first_end_em,
+	float *second_start_em)
+{
+	const struct pkg_text *shaped = line->shaped;
+	bool found = false;
+	if (!font->font || !shaped)
+		return false;
+	for (uint32_t i = 1; i + 1 < shaped->glyph_count; i++) {
+		const struct pkg_glyph_at *at = &font->pkg->glyph_runs[shaped->first_glyph + i];
+		const struct pkg_glyph *glyph = glyph_at(font, at->glyph);
+		float end = at->x_em + glyph->advance_em;
+		if (glyph->atlas_width || glyph->advance_em <= 0.0f)
+			continue;
+		bool fits = line->right_to_left ? shaped->width_em - end <= limit_em && !found : at->x_em <= limit_em;
+		if (!fits)
+			continue;
+		*first_end_em = at->x_em;
+		*second_start_em = end;
+		found = true;
+	}
+	return found;
+}
+
+static struct pen start_pen(struct canvas *canvas, const struct text_font *font, float x, float y, float width_px,
+	const struct text_style *style)
+{
+	struct pen pen = { .canvas = canvas, .font = font, .size_px = style->size_px };
+	float start = start_of(0.0f, width_px, style->align);
+	pen.cosine = style->angle_rad == 0.0f ? 1.0f : cosf(style->angle_rad);
+	pen.sine = style->angle_rad == 0.0f ? 0.0f : sinf(style->angle_rad);
+	pen.origin = (struct vec2){ x + start * pen.cosine, y + start * pen.sine };
+	/* 128 steps of the field are `spread_px` texels */
+	pen.shape.range_px = 255.0f / 128.0f * font->font->spread_px * style->size_px / font->font->em_px;
+	pen.shape.grow_px = style->weight * style->size_px;
+	canvas_color(pen.shape.fill, style->fill);
+	canvas_color(pen.shape.halo, style->halo);
+	pen.shape.halo_px = fminf(style->halo_px, 0.45f * pen.shape.range_px - pen.shape.grow_px);
+	if (style->halo_px <= 0.0f) {
+		pen.shape.halo[3] = 0;
+		pen.shape.halo_px = 0.0f;
+	}
+	return pen;
+}
+
+float text_draw_part(struct canvas *canvas, const struct text_font *font, const struct text_line *line, float from_em,
+	float to_em, float x, float y, const struct text_style *style)
+{
+	if (!font->font || style->fill.a <= 0.0f)
+		return 0.0f;
+	float width_px = (to_em - from_em) * style->size_px;
+	struct pen pen = start_pen(canvas, font, x, y, width_px, style);
+	pen.origin = pen_place(&pen, -from_em, 0.0f);
+	draw_between(&pen, line, from_em, to_em);
+	return width_px;
 }
 
 float text_draw(struct canvas *canvas, const struct text_font *font, const struct text_line *line, float x, float y,
@@ -220,21 +308,7 @@ float text_draw(struct canvas *canvas, const struct text_font *font, const struc
 	float width_em = text_width_em(font, line), limit_em = style->max_width_px / style->size_px;
 	bool cut = style->max_width_px > 0.0f && width_em > limit_em + 1e-3f;
 	float width_px = (cut ? limit_em : width_em) * style->size_px;
-	float start = start_of(0.0f, width_px, style->align);
-	struct pen pen = { .canvas = canvas, .font = font, .size_px = style->size_px };
-	pen.cosine = style->angle_rad == 0.0f ? 1.0f : cosf(style->angle_rad);
-	pen.sine = style->angle_rad == 0.0f ? 0.0f : sinf(style->angle_rad);
-	pen.origin = (struct vec2){ x + start * pen.cosine, y + start * pen.sine };
-	/* 128 steps of the field are `spread_px` texels */
-	pen.shape.range_px = 255.0f / 128.0f * font->font->spread_px * style->size_px / font->font->em_px;
-	pen.shape.halo_px = fminf(style->halo_px, 0.45f * pen.shape.range_px - style->weight * style->size_px);
-	pen.shape.grow_px = style->weight * style->size_px;
-	canvas_color(pen.shape.fill, style->fill);
-	canvas_color(pen.shape.halo, style->halo);
-	if (style->halo_px <= 0.0f) {
-		pen.shape.halo[3] = 0;
-		pen.shape.halo_px = 0.0f;
-	}
+	struct pen pen = start_pen(canvas, font, x, y, width_px, style);
 	if (cut)
 		draw_cut(&pen, line, width_em, limit_em);
 	else

@@ -56,6 +56,15 @@ float text_draw(struct canvas *canvas, const struct text_font *font, const struc
 float text_fit(
 	const struct text_font *font, const struct text_line *line, float largest, float smallest, float width_px);
 
+/* Cuts a line in two at a blank so that the part read first is at most `limit_em` wide: the parts are [0,
+ * *first_end_em] and [*second_start_em, width]; read from the right, the second of these comes first. False when there
+ * is no such blank. */
+bool text_break(const struct text_font *font, const struct text_line *line, float limit_em, float *first_end_em,
+	float *second_start_em);
+/* As text_draw, only what lies between two places of the line. */
+float text_draw_part(struct canvas *canvas, const struct text_font *font, const struct text_line *line, float from_em,
+	float to_em, float x, float y, const struct text_style *style);
+
 /* What the line covers at most when drawn at x, y (unrotated), halo included. */
 struct box text_box(
 	const struct text_font *font, const struct text_line *line, float x, float y, const struct text_style *style);

@@ -32,7 +32,7 @@ void main()
 #else
 	float across = abs(v_lateral);
 	float pixel = fwidth(v_lateral);
-	float edge = smoothstep(0.80 - pixel, 0.80 + pixel, across);
+	float edge = smoothstep(0.87 - pixel, 0.87 + pixel, across);
 	vec3 color = mix(u_draw[5].rgb, u_draw[8].y > 0.0 ? u_draw[9].rgb : u_draw[6].rgb, 0.85 * chevrons());
 	color = mix(color, u_draw[6].rgb, edge);
 	alpha *= 1.0 - smoothstep(1.0 - min(pixel, 0.9), 1.0, across) * 0.8;
