@@ -13,7 +13,7 @@
 struct fixture {
 	struct city city;
 	struct report report;
-	struct sites sites;
+	struct plots plots;
 	struct massing massing;
 	struct shell shell;
 	ARRAY(struct building) none;
@@ -55,9 +55,9 @@ static struct building *add(struct fixture *f, const struct dvec2 *points, size_
 
 static void make(struct fixture *f, uint32_t index)
 {
-	sites_build(&f->city, &f->sites);
-	building_shell(&f->sites, index, &f->massing, &f->shell);
-	sites_finish(&f->sites);
+	plots_build(&f->city, &f->plots);
+	building_shell(&f->plots, index, &f->massing, &f->shell);
+	plots_finish(&f->plots);
 }
 
 static struct dvec3 at(const struct shell *shell, size_t corner)
@@ -190,7 +190,7 @@ static void check_vertices(const struct fixture *f, double low, double high)
 		assert_true(isfinite(v->at.x) && isfinite(v->at.y) && isfinite(v->at.z));
 		if (v->at.z < low - 0.002 || v->at.z > high + 0.002)
 			print_message("material %d kind %d shape %d z %f of %f %f\n", v->material, f->massing.building->kind,
-				f->massing.site->roof, v->at.z, low, high);
+				f->massing.plot->roof, v->at.z, low, high);
 		assert_true(v->at.z >= low - 0.002 && v->at.z <= high + 0.002);
 		if (!(v->u >= 0.0f && v->u < 255.0f && v->v >= 0.0f && v->v < 255.0f))
 			print_message("material %d kind %d uv %f %f z %f\n", v->material, f->massing.building->kind, (double)v->u,
@@ -440,7 +440,7 @@ static void any_outline_gives_a_sound_building(void **state)
 		b->roof_direction_deg = rng_u32(&rng) % 3 ? NAN : rng_range(&rng, 0.0, 360.0);
 		b->shop = rng_u32(&rng) % 2;
 		make(&f, 0);
-		double top = f.sites.sites.count ? 0.0 : b->height_m;
+		double top = f.plots.plots.count ? 0.0 : b->height_m;
 		(void)top;
 		if (f.shell.vertices.count) {
 			check_vertices(&f, -0.5, fmax(b->height_m, 3.0) + 20.0);

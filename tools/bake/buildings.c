@@ -14,7 +14,7 @@
 #define SHARES 8
 
 struct share {
-	const struct sites *sites;
+	const struct plots *plots;
 	uint32_t from, to;
 	struct mesh_sink *sink;
 	ARRAY(int64_t) mended; /* buildings whose roof or deck was drawn simpler */
@@ -26,12 +26,12 @@ struct crew {
 	int next;
 };
 
-static void fill_surfaces(const struct sites *sites, uint32_t index, struct massing *m, struct shell *shell)
+static void fill_surfaces(const struct plots *plots, uint32_t index, struct massing *m, struct shell *shell)
 {
-	static const struct site none = { .roof = ROOF_GABLED, .half_width = 4.0, .axis = { 1.0, 0.0 }, .fill = 1.0 };
-	m->city = sites->city;
-	m->building = &sites->city->buildings.items[index];
-	m->site = &none;
+	static const struct plot none = { .roof = ROOF_GABLED, .half_width = 4.0, .axis = { 1.0, 0.0 }, .fill = 1.0 };
+	m->city = plots->city;
+	m->building = &plots->city->buildings.items[index];
+	m->plot = &none;
 	m->index = index;
 	m->hash = hash_u64((uint64_t)m->building->id + UINT64_C(0x9E3779B97F4A7C15));
 	m->ground = m->building->ground_m;
@@ -44,17 +44,17 @@ static void fill_surfaces(const struct sites *sites, uint32_t index, struct mass
 	building_surfaces(m->building, &m->facade, shell);
 }
 
-void building_shell(const struct sites *sites, uint32_t index, struct massing *m, struct shell *shell)
+void building_shell(const struct plots *plots, uint32_t index, struct massing *m, struct shell *shell)
 {
 	shell_clear(shell);
-	const struct building *building = &sites->city->buildings.items[index];
+	const struct building *building = &plots->city->buildings.items[index];
 	if (building->walls_3d && !building->has_parts) {
-		fill_surfaces(sites, index, m, shell);
+		fill_surfaces(plots, index, m, shell);
 		return;
 	}
-	if (!sites->sites.items[index].building)
+	if (!plots->plots.items[index].building)
 		return;
-	massing_build(sites, index, m);
+	massing_build(plots, index, m);
 	facade_choose(m);
 	shell->seed = (uint8_t)(m->hash >> 56);
 	roof_build(m, shell);
@@ -83,8 +83,8 @@ static void work(struct share *share)
 	struct shell shell = { 0 };
 	for (uint32_t i = share->from; i < share->to; i++) {
 		size_t before = massing.roof_faults + massing.deck_faults;
-		building_shell(share->sites, i, &massing, &shell);
-		const struct building *building = &share->sites->city->buildings.items[i];
+		building_shell(share->plots, i, &massing, &shell);
+		const struct building *building = &share->plots->city->buildings.items[i];
 		if (massing.roof_faults + massing.deck_faults > before)
 			ARRAY_PUSH(&share->mended, building->id);
 		emit(building, &shell, share->sink);
@@ -123,12 +123,12 @@ static void run_crew(struct crew *crew)
 void buildings_build(const struct city *city, const struct pkg_graph *graph, struct mesh_sink *sink)
 {
 	(void)graph; /* doors look at all ways, not only at those that cars drive */
-	struct sites sites;
-	sites_build(city, &sites);
+	struct plots plots;
+	plots_build(city, &plots);
 	struct crew crew = { .next = 0 };
 	size_t count = city->buildings.count;
 	for (size_t i = 0; i < SHARES; i++)
-		crew.shares[i] = (struct share){ .sites = &sites,
+		crew.shares[i] = (struct share){ .plots = &plots,
 			.from = (uint32_t)(count * i / SHARES),
 			.to = (uint32_t)(count * (i + 1) / SHARES),
 			.sink = mesh_sink_new() };
@@ -141,5 +141,5 @@ void buildings_build(const struct city *city, const struct pkg_graph *graph, str
 			report_fault(city->report, FAULT_BAD_GEOMETRY, FAULT_MENDED, share->mended.items[k]);
 		ARRAY_FINISH(&share->mended);
 	}
-	sites_finish(&sites);
+	plots_finish(&plots);
 }

@@ -1,7 +1,7 @@
 /*
- * How a building is made; internal to buildings.c, sites.c, massing.c, facade_*.c and roof_*.c.
+ * How a building is made; internal to buildings.c, plots.c, massing.c, facade_*.c and roof_*.c.
  *
- * 1. sites_build(): every drawn building with a clean outline and its heights, walls of all of them in one grid.
+ * 1. plots_build(): every drawn building with a clean outline and its heights, walls of all of them in one grid.
  * 2. massing_build(): one building's walls cut where neighbours begin and end, each with what stands or lies before it.
  * 3. facade_choose(): what it wears: materials, bays, storeys, colours, all from its id, kind, age, place and block.
  * 4. roof_build(): the roof, which says how high each wall goes; facade_build(): the walls.
@@ -22,10 +22,10 @@
 #define ROOF_TILE_M 4.0
 #define FOOT_M 0.5 /* walls reach this far into the ground */
 
-struct site {
+struct plot {
 	const struct building *building; /* NULL: not drawn from its outline */
-	size_t first_point;              /* into sites.points */
-	size_t first_ring, ring_count;   /* into sites.ring_first: ring_count + 1 indices into sites.points */
+	size_t first_point;              /* into plots.points */
+	size_t first_ring, ring_count;   /* into plots.ring_first: ring_count + 1 indices into plots.points */
 	double base, ground, eaves, top; /* base: where the walls begin */
 	enum roof_shape roof;
 	double half_width; /* half the shorter side of the smallest rectangle around it */
@@ -33,9 +33,9 @@ struct site {
 	double fill;       /* share of the rectangle that it covers */
 };
 
-struct sites {
+struct plots {
 	const struct city *city;
-	ARRAY(struct site) sites; /* one a building, same index */
+	ARRAY(struct plot) plots; /* one a building, same index */
 	ARRAY(struct dvec2) points;
 	ARRAY(size_t) ring_first;
 	ARRAY(struct segment) walls; /* owner: building index */
@@ -43,8 +43,8 @@ struct sites {
 	struct segment_grid wall_grid, way_grid;
 };
 
-void sites_build(const struct city *city, struct sites *out);
-void sites_finish(struct sites *sites);
+void plots_build(const struct city *city, struct plots *out);
+void plots_finish(struct plots *plots);
 
 /* Drops repeated points, points on a straight line and spikes; returns how many points are left, in place. */
 size_t ring_clean(struct dvec2 *points, size_t count);
@@ -87,7 +87,7 @@ struct facade {
 struct massing {
 	const struct city *city;
 	const struct building *building;
-	const struct site *site;
+	const struct plot *plot;
 	uint32_t index;
 	uint64_t hash; /* of the building's id */
 	ARRAY(struct wall) walls;
@@ -108,7 +108,7 @@ struct massing {
 	size_t deck_faults; /* outlines that GEOS would not triangulate */
 };
 
-void massing_build(const struct sites *sites, uint32_t index, struct massing *massing);
+void massing_build(const struct plots *plots, uint32_t index, struct massing *massing);
 void massing_finish(struct massing *massing);
 
 static inline size_t massing_next(const struct massing *massing, size_t ring, size_t wall)
@@ -142,6 +142,6 @@ float wall_ao(const struct massing *massing, const struct wall *wall, double z);
 void building_surfaces(const struct building *building, const struct facade *facade, struct shell *shell);
 
 /* Everything of one building; `shell` is cleared first. */
-void building_shell(const struct sites *sites, uint32_t index, struct massing *massing, struct shell *shell);
+void building_shell(const struct plots *plots, uint32_t index, struct massing *massing, struct shell *shell);
 
 #endif

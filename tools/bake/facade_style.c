@@ -367,7 +367,7 @@ static void wear_by_kind(struct massing *m, struct pick *pick, enum region regio
 
 static int usual_roofing(const struct massing *m, struct pick *pick, enum region region)
 {
-	enum roof_shape shape = m->site->roof;
+	enum roof_shape shape = m->plot->roof;
 	if (m->building->kind == BUILDING_GREENHOUSE)
 		return MATERIAL_ROOF_GLASS;
 	if (shape == ROOF_FLAT || shape == ROOF_UNKNOWN)

@@ -18,7 +18,7 @@ struct contact {
 };
 
 struct contact_search {
-	const struct sites *sites;
+	const struct plots *plots;
 	uint32_t self;
 	struct dvec2 a, along, out;
 	double length;
@@ -63,8 +63,8 @@ static void hide(struct wall *wall, double from, double to)
 
 static void apply_contact(const struct contact_search *search, const struct contact *contact, struct wall *wall)
 {
-	const struct site *self = &search->sites->sites.items[search->self];
-	const struct site *other = &search->sites->sites.items[contact->other];
+	const struct plot *self = &search->plots->plots.items[search->self];
+	const struct plot *other = &search->plots->plots.items[contact->other];
 	if (other->base >= self->eaves || other->eaves <= self->base)
 		return;
 	if (contact->same_side) {
@@ -110,15 +110,15 @@ static struct wall wall_between(struct dvec2 a, struct dvec2 b)
 	return wall;
 }
 
-static void add_walls(const struct sites *sites, struct massing *m, struct dvec2 a, struct dvec2 b)
+static void add_walls(const struct plots *plots, struct massing *m, struct dvec2 a, struct dvec2 b)
 {
 	struct wall whole = wall_between(a, b);
 	struct contact_search search = {
-		.sites = sites, .self = m->index, .a = a, .along = whole.along, .out = whole.out, .length = whole.length
+		.plots = plots, .self = m->index, .a = a, .along = whole.along, .out = whole.out, .length = whole.length
 	};
 	struct dvec2 min = { fmin(a.x, b.x) - 0.3, fmin(a.y, b.y) - 0.3 },
 				 max = { fmax(a.x, b.x) + 0.3, fmax(a.y, b.y) + 0.3 };
-	segment_grid_visit(&sites->wall_grid, min, max, visit_contact, &search);
+	segment_grid_visit(&plots->wall_grid, min, max, visit_contact, &search);
 	qsort(search.found, (size_t)search.count, sizeof(search.found[0]), contact_order);
 	double cuts[64];
 	int count = 0;
@@ -143,7 +143,7 @@ static void add_walls(const struct sites *sites, struct massing *m, struct dvec2
 }
 
 struct ray_search {
-	const struct sites *sites;
+	const struct plots *plots;
 	struct dvec2 from, along, out;
 	double best;
 	double top;
@@ -158,19 +158,19 @@ static void visit_ray(void *context, const struct segment *segment)
 		return;
 	double da = dvec2_dot(a, ray->out), db = dvec2_dot(b, ray->out);
 	double d = da + (0.0 - sa) / (sb - sa) * (db - da);
-	double top = ray->sites->sites.items[segment->owner].eaves;
+	double top = ray->plots->plots.items[segment->owner].eaves;
 	if (d < 0.2 || d > ray->best + 1e-9 || (d > ray->best - 1e-9 && top <= ray->top))
 		return;
 	ray->best = d;
 	ray->top = top;
 }
 
-static void look_ahead(const struct sites *sites, struct wall *wall)
+static void look_ahead(const struct plots *plots, struct wall *wall)
 {
 	struct dvec2 middle = dvec2_scale(dvec2_add(wall->a, wall->b), 0.5);
 	struct dvec2 end = dvec2_add(middle, dvec2_scale(wall->out, FACING_M));
-	struct ray_search ray = { sites, middle, wall->along, wall->out, FACING_M, 0.0 };
-	segment_grid_visit(&sites->wall_grid, (struct dvec2){ fmin(middle.x, end.x), fmin(middle.y, end.y) },
+	struct ray_search ray = { plots, middle, wall->along, wall->out, FACING_M, 0.0 };
+	segment_grid_visit(&plots->wall_grid, (struct dvec2){ fmin(middle.x, end.x), fmin(middle.y, end.y) },
 		(struct dvec2){ fmax(middle.x, end.x), fmax(middle.y, end.y) }, visit_ray, &ray);
 	if (ray.best < FACING_M) {
 		wall->facing_m = ray.best;
@@ -208,12 +208,12 @@ static void visit_street(void *context, const struct segment *segment)
 	search->street_class = street_class;
 }
 
-static void find_street(const struct sites *sites, struct wall *wall)
+static void find_street(const struct plots *plots, struct wall *wall)
 {
-	struct street_search search = { sites->city, dvec2_scale(dvec2_add(wall->a, wall->b), 0.5), wall->out, INFINITY,
+	struct street_search search = { plots->city, dvec2_scale(dvec2_add(wall->a, wall->b), 0.5), wall->out, INFINITY,
 		INFINITY, -1 };
 	struct dvec2 m = search.middle;
-	segment_grid_visit(&sites->way_grid, (struct dvec2){ m.x - STREET_M, m.y - STREET_M },
+	segment_grid_visit(&plots->way_grid, (struct dvec2){ m.x - STREET_M, m.y - STREET_M },
 		(struct dvec2){ m.x + STREET_M, m.y + STREET_M }, visit_street, &search);
 	/* What lies beyond the next wall is not in front of this one. */
 	if (search.distance < wall->facing_m + 1.0) {
@@ -256,10 +256,10 @@ static void find_door(struct massing *m)
 	}
 }
 
-static void trace_ring(const struct sites *sites, struct massing *m, size_t first, size_t end)
+static void trace_ring(const struct plots *plots, struct massing *m, size_t first, size_t end)
 {
 	for (size_t i = first; i < end; i++)
-		add_walls(sites, m, sites->points.items[i], sites->points.items[i + 1 < end ? i + 1 : first]);
+		add_walls(plots, m, plots->points.items[i], plots->points.items[i + 1 < end ? i + 1 : first]);
 }
 
 static double outline_area(const struct massing *m)
@@ -271,23 +271,23 @@ static double outline_area(const struct massing *m)
 	return twice / 2.0;
 }
 
-void massing_build(const struct sites *sites, uint32_t index, struct massing *m)
+void massing_build(const struct plots *plots, uint32_t index, struct massing *m)
 {
-	m->city = sites->city;
-	m->site = &sites->sites.items[index];
-	m->building = m->site->building;
+	m->city = plots->city;
+	m->plot = &plots->plots.items[index];
+	m->building = m->plot->building;
 	m->index = index;
 	m->hash = hash_u64((uint64_t)m->building->id + UINT64_C(0x9E3779B97F4A7C15));
-	m->base = m->site->base;
-	m->ground = m->site->ground;
-	m->eaves = m->site->eaves;
-	m->top = m->site->top;
+	m->base = m->plot->base;
+	m->ground = m->plot->ground;
+	m->eaves = m->plot->eaves;
+	m->top = m->plot->top;
 	m->has_ground_floor = m->base < m->ground;
 	m->walls.count = m->ring_first.count = 0;
-	for (size_t r = 0; r < m->site->ring_count; r++) {
+	for (size_t r = 0; r < m->plot->ring_count; r++) {
 		ARRAY_PUSH(&m->ring_first, m->walls.count);
-		trace_ring(sites, m, sites->ring_first.items[m->site->first_ring + r],
-			sites->ring_first.items[m->site->first_ring + r + 1]);
+		trace_ring(plots, m, plots->ring_first.items[m->plot->first_ring + r],
+			plots->ring_first.items[m->plot->first_ring + r + 1]);
 	}
 	ARRAY_PUSH(&m->ring_first, m->walls.count);
 	for (size_t i = 0; i < m->walls.count; i++) {
@@ -295,8 +295,8 @@ void massing_build(const struct sites *sites, uint32_t index, struct massing *m)
 		wall->top = m->eaves;
 		if (wall->party && !wall->annex)
 			continue;
-		look_ahead(sites, wall);
-		find_street(sites, wall);
+		look_ahead(plots, wall);
+		find_street(plots, wall);
 	}
 	m->area = outline_area(m);
 	find_ground(m);
@@ -318,7 +318,7 @@ void massing_triangulate(struct massing *m)
 	for (size_t i = 0; i < m->walls.count; i++)
 		ARRAY_PUSH(&m->points, m->walls.items[i].a);
 	if (m->triangulator &&
-		triangulate_rings(m->triangulator, m->points.items, m->ring_first.items, m->site->ring_count, &m->triangles))
+		triangulate_rings(m->triangulator, m->points.items, m->ring_first.items, m->plot->ring_count, &m->triangles))
 		return;
 	m->deck_faults++;
 	triangulate_face(m->points.items, m->ring_first.items[1], &m->triangles);

@@ -7,7 +7,7 @@
 
 static struct shell_point deck_point(const struct massing *m, struct dvec2 at, double z, float ao)
 {
-	struct dvec2 o = m->walls.items[0].a, d = dvec2_sub(at, o), axis = m->site->axis;
+	struct dvec2 o = m->walls.items[0].a, d = dvec2_sub(at, o), axis = m->plot->axis;
 	double along = dvec2_dot(d, axis), across = dvec2_cross(axis, d);
 	/* Far enough into the positive for any footprint's size, by whole tiles. */
 	return (struct shell_point){ { at.x, at.y, z }, (float)(along / ROOF_TILE_M), (float)(across / ROOF_TILE_M), ao };
@@ -75,9 +75,9 @@ static void rooftop_box(const struct massing *m, struct shell *shell, double z)
 	double room = roomiest(m, &centre);
 	if (room < 2.6 || m->building->is_part || m->top - m->ground < 9.0 || m->hash % 100 >= 75)
 		return;
-	double size = fmin(room * 1.2, 3.0 + m->site->half_width * 0.25), height = 2.0 + (double)(m->hash >> 8 & 3) * 0.35;
+	double size = fmin(room * 1.2, 3.0 + m->plot->half_width * 0.25), height = 2.0 + (double)(m->hash >> 8 & 3) * 0.35;
 	struct shell_box box = { .centre = centre,
-		.along = m->site->axis,
+		.along = m->plot->axis,
 		.length = size * 1.3,
 		.width = size * 0.8,
 		.from = z,
@@ -190,7 +190,7 @@ void roof_skillion(struct massing *m, struct shell *shell)
 
 static bool try_roof(struct massing *m, struct shell *shell)
 {
-	switch (m->site->roof) {
+	switch (m->plot->roof) {
 	case ROOF_SKILLION:
 		roof_skillion(m, shell);
 		return true;
@@ -215,7 +215,7 @@ static bool try_roof(struct massing *m, struct shell *shell)
 
 void roof_build(struct massing *m, struct shell *shell)
 {
-	bool flat = m->site->roof == ROOF_FLAT || m->site->roof == ROOF_UNKNOWN || m->top - m->eaves < 0.3;
+	bool flat = m->plot->roof == ROOF_FLAT || m->plot->roof == ROOF_UNKNOWN || m->top - m->eaves < 0.3;
 	if (!flat && try_roof(m, shell))
 		return;
 	m->roof_faults += !flat;

@@ -141,7 +141,7 @@ static bool party_gable(const struct roof *roof, const struct corner *c)
 static struct dvec2 ridge_of(const struct massing *m)
 {
 	double bearing = m->building->roof_direction_deg * BLVD_PI / 180.0;
-	struct dvec2 axis = m->site->axis;
+	struct dvec2 axis = m->plot->axis;
 	if (isfinite(bearing))
 		return (struct dvec2){ cos(bearing), -sin(bearing) };
 	return m->building->ridge_across ? (struct dvec2){ -axis.y, axis.x } : axis;
@@ -159,10 +159,10 @@ static bool wing_end(const struct roof *roof, size_t i)
 static void choose_gables(struct roof *roof)
 {
 	const struct massing *m = roof->m;
-	enum roof_shape shape = m->site->roof;
+	enum roof_shape shape = m->plot->roof;
 	bool gables = shape == ROOF_GABLED || shape == ROOF_HALF_HIPPED || shape == ROOF_GAMBREL || shape == ROOF_ROUND;
 	struct dvec2 ridge = ridge_of(m);
-	bool plain = m->site->fill > 0.78 && m->ring_first.count == 2;
+	bool plain = m->plot->fill > 0.78 && m->ring_first.count == 2;
 	for (size_t i = 0; i < roof->corners.count; i++) {
 		struct corner *c = &roof->corners.items[i];
 		bool end = plain ? fabs(dvec2_dot(c->out, ridge)) > 0.75 : wing_end(roof, i);
@@ -170,7 +170,7 @@ static void choose_gables(struct roof *roof)
 		if ((gables && end) || party)
 			c->speed = 0.0;
 		if (shape == ROOF_HALF_HIPPED && end && !party)
-			c->delay = m->site->half_width * 0.5;
+			c->delay = m->plot->half_width * 0.5;
 	}
 }
 
@@ -229,7 +229,7 @@ static struct profile profile_of(const struct massing *m)
 	double rise = m->top - m->eaves, t_max = fmax(m->skeleton.t_max, 0.05);
 	struct profile out = { .count = 0 };
 	add_break(&out, 0.0, 0.0);
-	switch (m->site->roof) {
+	switch (m->plot->roof) {
 	case ROOF_MANSARD:
 		add_break(&out, fmin(fmin(rise * 0.75 * 0.36, t_max * 0.4), 1.4), rise * 0.75);
 		add_break(&out, fmin(t_max, out.t[1] + rise * 0.25 / 0.2), rise);
@@ -589,7 +589,7 @@ static void draw_chimney(struct roof *roof)
 	int count = m->area > 260.0 ? 2 : 1;
 	for (int i = 0; i < count; i++) {
 		uint64_t hash = hash_u64(m->hash + (uint64_t)i + 3);
-		struct dvec2 ridge = m->site->axis, across = { -ridge.y, ridge.x };
+		struct dvec2 ridge = m->plot->axis, across = { -ridge.y, ridge.x };
 		struct dvec2 at = ridge_place(roof, 0.2 + 0.3 * (double)(hash % 100) / 100.0 + 0.4 * i);
 		at = dvec2_add(at, dvec2_scale(across, hash >> 9 & 1 ? 0.5 : -0.5));
 		struct shell_box box = { .centre = at,
@@ -646,7 +646,7 @@ static void draw_dormers(struct roof *roof)
 {
 	struct massing *m = roof->m;
 	enum building_kind kind = m->building->kind;
-	bool mansard = m->site->roof == ROOF_MANSARD;
+	bool mansard = m->plot->roof == ROOF_MANSARD;
 	bool home =
 		kind == BUILDING_HOUSE || kind == BUILDING_APARTMENTS || kind == BUILDING_RETAIL || kind == BUILDING_CIVIC;
 	if (!(home || mansard) || m->top - m->eaves < 2.2 || (!mansard && (m->hash >> 30) % 100 >= 30) ||
@@ -675,14 +675,14 @@ static void draw_turret(struct roof *roof)
 	if (m->building->kind != BUILDING_CHURCH || m->building->is_part || m->area < 140.0 || m->skeleton.t_max < 3.0 ||
 		m->top - m->ground < 7.0)
 		return;
-	double half = fmin(1.6, 0.8 + m->site->half_width * 0.08);
+	double half = fmin(1.6, 0.8 + m->plot->half_width * 0.08);
 	roof_turret(m, roof->shell, ridge_place(roof, 0.12), m->top, half);
 }
 
 void roof_turret(struct massing *m, struct shell *shell, struct dvec2 at, double z, double half_m)
 {
 	struct shell_box box = { .centre = at,
-		.along = m->site->axis,
+		.along = m->plot->axis,
 		.length = half_m * 2.0,
 		.width = half_m * 2.0,
 		.from = z - half_m * 1.6,

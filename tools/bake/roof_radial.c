@@ -98,10 +98,10 @@ bool roof_radial(struct massing *m, struct shell *shell)
 	struct turn turn = { cone, 2, centroid(m), m->eaves, m->top - m->eaves, false };
 	if (!star_shaped(m, turn.centre))
 		return false;
-	if (m->site->roof == ROOF_DOME) {
+	if (m->plot->roof == ROOF_DOME) {
 		turn.steps = dome;
 		turn.count = sizeof(dome) / sizeof(dome[0]);
-	} else if (m->site->roof == ROOF_ONION) {
+	} else if (m->plot->roof == ROOF_ONION) {
 		turn.steps = onion;
 		turn.count = sizeof(onion) / sizeof(onion[0]);
 	}

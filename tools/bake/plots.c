@@ -41,25 +41,25 @@ size_t ring_clean(struct dvec2 *points, size_t count)
 	return count;
 }
 
-static bool take_ring(struct sites *sites, const struct ring *ring)
+static bool take_ring(struct plots *plots, const struct ring *ring)
 {
-	size_t first = sites->points.count;
+	size_t first = plots->points.count;
 	for (size_t i = 0; i < ring->count; i++)
 		if (isfinite(ring->points[i].x) && isfinite(ring->points[i].y))
-			ARRAY_PUSH(&sites->points, ring->points[i]);
-	size_t count = ring_clean(sites->points.items + first, sites->points.count - first);
-	struct ring clean = { sites->points.items + first, count };
+			ARRAY_PUSH(&plots->points, ring->points[i]);
+	size_t count = ring_clean(plots->points.items + first, plots->points.count - first);
+	struct ring clean = { plots->points.items + first, count };
 	if (count < 3 || fabs(ring_area(&clean)) < 0.5) {
-		sites->points.count = first;
+		plots->points.count = first;
 		return false;
 	}
-	sites->points.count = first + count;
-	ARRAY_PUSH(&sites->ring_first, first);
+	plots->points.count = first + count;
+	ARRAY_PUSH(&plots->ring_first, first);
 	return true;
 }
 
 /* The smallest rectangle around the outer ring has a side along one of its edges, or nearly so. */
-static void measure(struct site *site, const struct dvec2 *points, size_t count, double area)
+static void measure(struct plot *plot, const struct dvec2 *points, size_t count, double area)
 {
 	double best = INFINITY, width = 1.0;
 	for (size_t i = 0; i < count; i++) {
@@ -80,18 +80,18 @@ static void measure(struct site *site, const struct dvec2 *points, size_t count,
 		if (l * w < best - 1e-6) {
 			best = l * w;
 			width = fmin(l, w);
-			site->axis = l >= w ? along : (struct dvec2){ -along.y, along.x };
+			plot->axis = l >= w ? along : (struct dvec2){ -along.y, along.x };
 		}
 	}
-	site->half_width = width / 2.0;
-	site->fill = best > 0.0 ? area / best : 1.0;
+	plot->half_width = width / 2.0;
+	plot->fill = best > 0.0 ? area / best : 1.0;
 }
 
-static double usual_rise(const struct site *site, const struct building *building, double height)
+static double usual_rise(const struct plot *plot, const struct building *building, double height)
 {
-	double w = site->half_width;
+	double w = plot->half_width;
 	bool spire = building->kind == BUILDING_CHURCH || building->kind == BUILDING_TOWER;
-	switch (site->roof) {
+	switch (plot->roof) {
 	case ROOF_GABLED:
 	case ROOF_HIPPED:
 	case ROOF_HALF_HIPPED:
@@ -118,73 +118,73 @@ static double usual_rise(const struct site *site, const struct building *buildin
 	return 0.0;
 }
 
-static void set_heights(struct site *site, const struct building *building)
+static void set_heights(struct plot *plot, const struct building *building)
 {
 	double height = building->height_m > 0.5 ? building->height_m : 3.0;
 	double low = building->min_height_m > 0.0 && building->min_height_m < height - 0.2 ? building->min_height_m : 0.0;
-	site->ground = isfinite(building->ground_m) ? building->ground_m : 0.0;
-	site->top = site->ground + height;
-	site->base = low > 0.0 ? site->ground + low : site->ground - FOOT_M;
-	site->roof = building->roof_shape;
-	double rise = building->roof_height_m > 0.0 ? building->roof_height_m : usual_rise(site, building, height - low);
-	if (site->roof == ROOF_FLAT || site->roof == ROOF_UNKNOWN)
+	plot->ground = isfinite(building->ground_m) ? building->ground_m : 0.0;
+	plot->top = plot->ground + height;
+	plot->base = low > 0.0 ? plot->ground + low : plot->ground - FOOT_M;
+	plot->roof = building->roof_shape;
+	double rise = building->roof_height_m > 0.0 ? building->roof_height_m : usual_rise(plot, building, height - low);
+	if (plot->roof == ROOF_FLAT || plot->roof == ROOF_UNKNOWN)
 		rise = 0.0;
 	rise = fmin(rise, height - low);
-	site->eaves = site->top - (rise > 0.3 ? rise : 0.0);
+	plot->eaves = plot->top - (rise > 0.3 ? rise : 0.0);
 	if (rise <= 0.3)
-		site->roof = ROOF_FLAT;
+		plot->roof = ROOF_FLAT;
 }
 
-static void add_site(struct sites *sites, const struct building *building)
+static void add_site(struct plots *plots, const struct building *building)
 {
-	struct site site = { .first_point = sites->points.count, .first_ring = sites->ring_first.count };
+	struct plot plot = { .first_point = plots->points.count, .first_ring = plots->ring_first.count };
 	bool drawn = !building->has_parts && !building->walls_3d && building->footprint.outer.count >= 3;
-	if (drawn && !take_ring(sites, &building->footprint.outer)) {
-		report_fault(sites->city->report, FAULT_DEGENERATE_RING, FAULT_DROPPED, building->id);
+	if (drawn && !take_ring(plots, &building->footprint.outer)) {
+		report_fault(plots->city->report, FAULT_DEGENERATE_RING, FAULT_DROPPED, building->id);
 		drawn = false;
 	}
 	if (drawn) {
-		site.building = building;
-		size_t outer = sites->points.count - site.first_point;
-		double area = ring_area(&(struct ring){ sites->points.items + site.first_point, outer });
-		site.ring_count = 1;
+		plot.building = building;
+		size_t outer = plots->points.count - plot.first_point;
+		double area = ring_area(&(struct ring){ plots->points.items + plot.first_point, outer });
+		plot.ring_count = 1;
 		for (size_t i = 0; i < building->footprint.hole_count; i++)
-			site.ring_count += take_ring(sites, &building->footprint.holes[i]);
-		ARRAY_PUSH(&sites->ring_first, sites->points.count);
-		measure(&site, sites->points.items + site.first_point, outer, area);
-		set_heights(&site, building);
+			plot.ring_count += take_ring(plots, &building->footprint.holes[i]);
+		ARRAY_PUSH(&plots->ring_first, plots->points.count);
+		measure(&plot, plots->points.items + plot.first_point, outer, area);
+		set_heights(&plot, building);
 	}
-	ARRAY_PUSH(&sites->sites, site);
+	ARRAY_PUSH(&plots->plots, plot);
 }
 
-static void add_walls(struct sites *sites, uint32_t index)
+static void add_walls(struct plots *plots, uint32_t index)
 {
-	const struct site *site = &sites->sites.items[index];
+	const struct plot *plot = &plots->plots.items[index];
 	/* A canopy has no walls that could hide a neighbour's. */
-	if (!site->building || site->building->kind == BUILDING_ROOF)
+	if (!plot->building || plot->building->kind == BUILDING_ROOF)
 		return;
-	for (size_t r = 0; r < site->ring_count; r++) {
-		size_t first = sites->ring_first.items[site->first_ring + r],
-			   end = sites->ring_first.items[site->first_ring + r + 1];
+	for (size_t r = 0; r < plot->ring_count; r++) {
+		size_t first = plots->ring_first.items[plot->first_ring + r],
+			   end = plots->ring_first.items[plot->first_ring + r + 1];
 		for (size_t i = first; i < end; i++)
-			ARRAY_PUSH(&sites->walls,
-				(struct segment){ sites->points.items[i], sites->points.items[i + 1 < end ? i + 1 : first], index });
+			ARRAY_PUSH(&plots->walls,
+				(struct segment){ plots->points.items[i], plots->points.items[i + 1 < end ? i + 1 : first], index });
 	}
 }
 
-static void add_way(struct sites *sites, uint32_t index)
+static void add_way(struct plots *plots, uint32_t index)
 {
-	const struct way *way = &sites->city->ways.items[index];
+	const struct way *way = &plots->city->ways.items[index];
 	if (way->tunnel || way->street_class == WAY_RAIL || way->street_class == WAY_TRAM ||
 		way->street_class == WAY_TRACK || way->street_class == WAY_STEPS)
 		return;
 	for (size_t i = 0; i + 1 < way->node_count; i++)
-		ARRAY_PUSH(&sites->ways, (struct segment){ way->nodes[i].at, way->nodes[i + 1].at, index });
+		ARRAY_PUSH(&plots->ways, (struct segment){ way->nodes[i].at, way->nodes[i + 1].at, index });
 }
 
-void sites_build(const struct city *city, struct sites *out)
+void plots_build(const struct city *city, struct plots *out)
 {
-	*out = (struct sites){ .city = city };
+	*out = (struct plots){ .city = city };
 	for (size_t i = 0; i < city->buildings.count; i++)
 		add_site(out, &city->buildings.items[i]);
 	for (size_t i = 0; i < city->buildings.count; i++)
@@ -195,13 +195,13 @@ void sites_build(const struct city *city, struct sites *out)
 	segment_grid_build(&out->way_grid, out->ways.items, out->ways.count, 32.0);
 }
 
-void sites_finish(struct sites *sites)
+void plots_finish(struct plots *plots)
 {
-	segment_grid_finish(&sites->wall_grid);
-	segment_grid_finish(&sites->way_grid);
-	ARRAY_FINISH(&sites->sites);
-	ARRAY_FINISH(&sites->points);
-	ARRAY_FINISH(&sites->ring_first);
-	ARRAY_FINISH(&sites->walls);
-	ARRAY_FINISH(&sites->ways);
+	segment_grid_finish(&plots->wall_grid);
+	segment_grid_finish(&plots->way_grid);
+	ARRAY_FINISH(&plots->plots);
+	ARRAY_FINISH(&plots->points);
+	ARRAY_FINISH(&plots->ring_first);
+	ARRAY_FINISH(&plots->walls);
+	ARRAY_FINISH(&plots->ways);
 }
