@@ -467,7 +467,7 @@ static int by_from(const void *a, const void *b)
 static int64_t resolve(const struct osm_reader *reader, int64_t id)
 {
 	/* Chains of aliases are short; the bound keeps a ring of them from turning for ever. */
-	for (int steps = 0; steps < 16; steps++) {
+	for (int steps = 0; reader->aliases.count && steps < 16; steps++) {
 		struct node_alias key = { id, 0 };
 		const struct node_alias *alias =
 			bsearch(&key, reader->aliases.items, reader->aliases.count, sizeof(key), by_from);

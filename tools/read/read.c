@@ -10,6 +10,7 @@
 #include "tools/read/osm_parse.h"
 #include "tools/read/osm_reader.h"
 #include "tools/read/settle.h"
+#include "tools/read/terrain.h"
 #include "tools/read/traffic_side.h"
 
 #define OSM_CREDIT "\xC2\xA9 OpenStreetMap contributors, ODbL"
@@ -240,7 +241,7 @@ static int read_all(struct city *city, const struct read_options *options, struc
 	city->right_hand_traffic = traffic_side_right(city, store);
 	set_extent(city);
 	osm_store_tally(store);
-	return 0;
+	return terrain_read(city, options->terrain_files, options->terrain_file_count);
 }
 
 int read_city(struct city *city, const struct read_options *options)
