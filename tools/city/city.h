@@ -153,6 +153,7 @@ struct building {
 	bool landmark;       /* church, tower, monument, or far taller than its neighbours */
 	bool shop;           /* shop front at ground level: retail, or in a commercial street */
 	double height_m;     /* top of the roof above the ground; 0: not known yet */
+	bool eaves_height;   /* height_m is up to the eaves so far; heights_infer() adds the roof */
 	double min_height_m; /* bottom of the walls above the ground */
 	double levels;       /* storeys below the roof; 0: not known */
 	double min_level;

@@ -74,7 +74,9 @@ static void infer_kind(struct building *building, const struct site *site)
 	double top = building->height_m > 0.0 ? building->height_m : building->levels * 3.1;
 	if (building->kind_given)
 		return;
-	if (site->area_m2 < 32.0 && (top <= 0.0 || top < 5.0))
+	if (building->landmark && site->area_m2 < 200.0)
+		building->kind = BUILDING_TOWER; /* monuments */
+	else if (site->area_m2 < 32.0 && (top <= 0.0 || top < 5.0))
 		building->kind = BUILDING_GARAGE;
 	else if (top > 45.0)
 		building->kind = BUILDING_COMMERCIAL;
@@ -278,7 +280,10 @@ static void start_known(struct inference *inference, size_t i)
 	if (building->height_m > 0.0) {
 		inference->known[i] = true;
 		building->height_source = HEIGHT_TAGGED;
-		finish_roof(inference, i, false);
+		if (building->eaves_height && building->levels <= 0.0)
+			building->levels = levels_of_walls(building, building->height_m);
+		finish_roof(inference, i, building->eaves_height);
+		building->eaves_height = false;
 	} else if (building->levels > 0.0) {
 		inference->known[i] = true;
 		building->height_source = HEIGHT_LEVELS;
@@ -328,6 +333,8 @@ static void mark_landmarks(struct inference *inference, index_array *near)
 	struct city *city = inference->city;
 	for (size_t i = 0; i < city->buildings.count; i++) {
 		struct building *building = &city->buildings.items[i];
+		if (building->kind == BUILDING_TOWER && building->height_m < 15.0)
+			building->landmark = false; /* tanks and silos */
 		if (building->is_part || building->height_m < 35.0)
 			continue;
 		size_t higher = 0, others = 0;

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tools/read/osm_kind.h"
 #include "tools/read/osm_reader.h"
 
 #define HEIGHT_LIMIT_M 1000.0
@@ -119,6 +120,11 @@ static const struct tag_word amenity_words[] = {
 	{ NULL, 0 },
 };
 
+int osm_building_kind(const char *value)
+{
+	return tag_word_find(building_words, value, -1);
+}
+
 static const char *building_value(const struct osm_tags *tags)
 {
 	const char *value = osm_tag(tags, "building");
@@ -147,7 +153,7 @@ static void set_kind(const struct osm_tags *tags, struct building *building)
 {
 	const char *value = building->is_part ? part_value(tags) : building_value(tags);
 	const char *amenity = osm_tag(tags, "amenity"), *man_made = osm_tag(tags, "man_made");
-	int kind = value ? tag_word_find(building_words, value, -1) : -1;
+	int kind = value ? osm_building_kind(value) : -1;
 	if (man_made && (!strcmp(man_made, "tower") || !strcmp(man_made, "water_tower") || !strcmp(man_made, "chimney") ||
 						!strcmp(man_made, "silo")))
 		kind = BUILDING_TOWER;

@@ -6,6 +6,7 @@
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
 #include "tools/bake/bake.h"
+#include "tools/read/building_set.h"
 #include "tools/read/osm_cut.h"
 #include "tools/read/osm_parse.h"
 #include "tools/read/osm_reader.h"
@@ -175,8 +176,29 @@ static void set_extent(struct city *city)
 	city->max = bounds.max;
 }
 
-static void make_osm(struct city *city, struct osm_store *store, const struct geo_bounds *bounds, bool clip)
+/* Buildings of sets whose middle is beyond the bounds asked for. */
+static void drop_outside(struct city *city, const struct bounds *bounds, size_t first)
 {
+	size_t kept = first;
+	for (size_t i = first; i < city->buildings.count; i++) {
+		struct bounds box;
+		ring_bounds(&city->buildings.items[i].footprint.outer, &box.min, &box.max);
+		struct dvec2 middle = dvec2_scale(dvec2_add(box.min, box.max), 0.5);
+		if (bounds_touch((struct bounds){ middle, middle }, *bounds))
+			city->buildings.items[kept++] = city->buildings.items[i];
+	}
+	city->buildings.count = kept;
+}
+
+/* What was read and is not in the city yet. */
+struct sources {
+	struct osm_store osm;
+	struct building_set set;
+};
+
+static void make_features(struct city *city, struct sources *sources, const struct geo_bounds *bounds, bool clip)
+{
+	struct osm_store *store = &sources->osm;
 	struct osm_reader reader = { .city = city, .store = store, .clip = clip };
 	osm_store_project(store, &city->frame);
 	shaper_init(&reader.shaper, &city->pool, city->report);
@@ -187,7 +209,11 @@ static void make_osm(struct city *city, struct osm_store *store, const struct ge
 	osm_make_restrictions(&reader);
 	osm_make_areas(&reader);
 	osm_make_trees(&reader);
-	settle_buildings(city, &reader.shaper, city->buildings.count);
+	size_t of_osm = city->buildings.count;
+	building_set_make(&sources->set, city, &reader.shaper);
+	if (clip)
+		drop_outside(city, &reader.built, of_osm);
+	settle_buildings(city, &reader.shaper, of_osm);
 	shaper_finish(&reader.shaper);
 	ARRAY_FINISH(&reader.aliases);
 }
@@ -216,16 +242,31 @@ static void count_results(struct city *city)
 	counts[COUNT_RESTRICTIONS] += city->restrictions.count;
 }
 
-static int read_all(struct city *city, const struct read_options *options, struct osm_store *store)
+static void set_bounds_of(const struct building_set *set, struct geo_bounds *out)
 {
-	struct geo_bounds bounds = { 0 };
+	for (size_t i = 0; i < set->buildings.count; i++) {
+		const struct ring *ring = &set->buildings.items[i].degrees.outer;
+		for (size_t j = 0; j < ring->count; j++)
+			extend(out, ring->points[j].y, ring->points[j].x);
+	}
+}
+
+static int read_sources(struct sources *sources, const struct read_options *options, struct report *report)
+{
 	int status = 0;
 	for (size_t i = 0; i < options->input_count && !status; i++)
-		status = osm_parse(store, options->inputs[i]);
-	if (status)
-		return status;
-	osm_store_sort(store);
-	osm_bounds(store, &bounds);
+		status = osm_parse(&sources->osm, options->inputs[i]);
+	for (size_t i = 0; i < options->building_file_count && !status; i++)
+		status = building_set_read(&sources->set, options->building_files[i], options->height_field, report);
+	osm_store_sort(&sources->osm);
+	return status;
+}
+
+static int make_city(struct city *city, const struct read_options *options, struct sources *sources)
+{
+	struct geo_bounds bounds = { 0 };
+	osm_bounds(&sources->osm, &bounds);
+	set_bounds_of(&sources->set, &bounds);
 	if (options->bounds) {
 		bounds = (struct geo_bounds){ 0 };
 		extend(&bounds, options->bounds[1], options->bounds[0]);
@@ -236,23 +277,26 @@ static int read_all(struct city *city, const struct read_options *options, struc
 		return -EBADMSG;
 	}
 	set_frame(city, &bounds);
-	make_osm(city, store, &bounds, options->bounds != NULL);
+	make_features(city, sources, &bounds, options->bounds != NULL);
 	city->attribution = OSM_CREDIT;
-	city->right_hand_traffic = traffic_side_right(city, store);
+	city->right_hand_traffic = traffic_side_right(city, &sources->osm);
 	set_extent(city);
-	osm_store_tally(store);
+	osm_store_tally(&sources->osm);
 	return terrain_read(city, options->terrain_files, options->terrain_file_count);
 }
 
 int read_city(struct city *city, const struct read_options *options)
 {
-	struct osm_store store;
+	struct sources sources = { 0 };
 	int64_t start = clock_now_ns();
-	osm_store_init(&store, city->report);
+	osm_store_init(&sources.osm, city->report);
 	city->name = options->name ? pool_string(&city->pool, options->name)
 							   : name_of(city, options->input_count ? options->inputs[0] : "city");
-	int status = read_all(city, options, &store);
-	osm_store_finish(&store);
+	int status = read_sources(&sources, options, city->report);
+	if (!status)
+		status = make_city(city, options, &sources);
+	osm_store_finish(&sources.osm);
+	building_set_finish(&sources.set);
 	if (!status)
 		count_results(city);
 	city->report->seconds[STEP_READ] += (double)(clock_now_ns() - start) * 1e-9;
