@@ -158,7 +158,7 @@ static bool message_known(const struct car *car, const char *name)
 static const struct dbc_signal *find_companion(const struct dbc_signal *signal, const char *name)
 {
 	const struct dbc_signal *other = signal->message->signals;
-	while (other && strcmp(other->name, name))
+	while (other && strcmp(other->name, name) != 0)
 		other = other->next;
 	return other;
 }

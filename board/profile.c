@@ -380,9 +380,10 @@ static int set_key(void *user, const char *section, const char *key, const char 
 	char copy[256];
 	if (in->status || in->overlong)
 		return 0;
-	if (strlen(value) >= sizeof(copy))
+	size_t size_of_value = strlen(value) + 1;
+	if (size_of_value > sizeof(copy))
 		return fail(in, "the value of %s is too long", key);
-	strcpy(copy, value);
+	memcpy(copy, value, size_of_value);
 	for (size_t i = 0; i < sizeof(number_keys) / sizeof(*number_keys); i++)
 		if (!strcmp(section, number_keys[i].section) && !strcmp(key, number_keys[i].key)) {
 			in->profile->has_start |= number_keys[i].field == FIELD(start.lat_deg);

@@ -6,7 +6,7 @@ bool can_checksum_by_name(const char *name, enum can_checksum *out)
 {
 	static const char *const names[] = { "none", "xor", "sum", "toyota", "crc8" };
 	for (unsigned i = 0; i < sizeof(names) / sizeof(*names); i++) {
-		if (strcmp(name, names[i]))
+		if (strcmp(name, names[i]) != 0)
 			continue;
 		*out = (enum can_checksum)i;
 		return true;

@@ -187,6 +187,7 @@ static bool take_raw(struct reader *in, int64_t *out)
 static bool take_text(struct reader *in, struct word *out)
 {
 	unsigned start_line = in->line;
+	*out = (struct word){ 0 };
 	if (!take(in, '"'))
 		return fail(in, "text in quotes expected");
 	out->at = in->at;
@@ -609,7 +610,7 @@ int dbc_parse(struct dbc *out, const char *text, size_t size, struct arena *aren
 	*error = (struct dbc_note){ 0 };
 	struct reader in = { .at = text, .end = text + size, .line = 1, .arena = arena, .dbc = out, .error = error };
 	in.messages = &out->messages;
-	out->buckets = take_memory(&in, BUCKETS * sizeof(*out->buckets));
+	out->buckets = take_memory(&in, BUCKETS * sizeof(void *));
 	if (out->buckets)
 		parse_all(&in);
 	if (in.status)
@@ -620,7 +621,7 @@ int dbc_parse(struct dbc *out, const char *text, size_t size, struct arena *aren
 const struct dbc_message *dbc_find_message(const struct dbc *dbc, const char *name)
 {
 	const struct dbc_message *message = dbc->messages;
-	while (message && strcmp(message->name, name))
+	while (message && strcmp(message->name, name) != 0)
 		message = message->next;
 	return message;
 }
@@ -629,7 +630,7 @@ const struct dbc_signal *dbc_find_signal(const struct dbc *dbc, const char *mess
 {
 	struct word word = { name, strlen(name) };
 	for (const struct dbc_message *message = dbc->messages; message; message = message->next) {
-		if (message_name && strcmp(message->name, message_name))
+		if (message_name && strcmp(message->name, message_name) != 0)
 			continue;
 		const struct dbc_signal *signal = find_signal_word(message, word);
 		if (signal)

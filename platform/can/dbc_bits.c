@@ -1,6 +1,7 @@
 /* Values in frames: bits to raw to physical and back. At most nine byte steps a signal, no allocation. */
 #include "platform/can/dbc.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <string.h>
@@ -78,6 +79,7 @@ static uint64_t get(const struct dbc_signal *signal, const uint8_t *data)
 
 static int64_t sign_extend(uint64_t raw, unsigned length)
 {
+	assert(length >= 1 && length <= 64);
 	uint64_t sign = UINT64_C(1) << (length - 1);
 	return (int64_t)((raw ^ sign) - sign);
 }

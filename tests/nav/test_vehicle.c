@@ -33,7 +33,7 @@ static const struct dbc_signal *signal_of(const char *message, const char *name)
 	return signal;
 }
 
-static struct vehicle_binding *bind(int input, const char *message, const char *name, double scale)
+static struct vehicle_binding *bind_input(int input, const char *message, const char *name, double scale)
 {
 	struct vehicle_binding *binding = &config.inputs[input];
 	*binding = (struct vehicle_binding){ .signal = signal_of(message, name), .bus = VEHICLE_ANY_BUS, .scale = scale };
@@ -52,7 +52,7 @@ static int set_up(void **unused)
 	memset(&config, 0, sizeof(config));
 	assert_int_equal(dbc_parse(&dbc, dbc_boulevard_text, dbc_boulevard_size, &arena, &error), 0);
 	assert_int_equal(dbc_parse(&extra, extra_text, strlen(extra_text), &arena, &error), 0);
-	bind(VEHICLE_SPEED, "MOTION", "Speed", 1.0 / 3.6);
+	bind_input(VEHICLE_SPEED, "MOTION", "Speed", 1.0 / 3.6);
 	vehicle_init(&vehicle, &config);
 	return 0;
 }
@@ -134,7 +134,7 @@ static void nan_and_infinity_are_not_taken(void **unused)
 {
 	(void)unused;
 	static const uint8_t patterns[3][4] = { { 0, 0, 0xC0, 0x7F }, { 0, 0, 0x80, 0x7F }, { 0, 0, 0x80, 0xFF } };
-	bind(VEHICLE_YAW_RATE, "X", "Float", 1.0);
+	bind_input(VEHICLE_YAW_RATE, "X", "Float", 1.0);
 	feed("X", "Float", 0.25, 1000);
 	for (int i = 0; i < 3; i++) {
 		struct can_frame_rx frame = frame_with("X", "Float", 0.0, 1010 + i);
@@ -244,7 +244,7 @@ static void a_damaged_frame_is_not_taken_whatever_bit_it_was(void **unused)
 static void a_value_may_be_said_to_be_invalid_or_frozen(void **unused)
 {
 	(void)unused;
-	bind(VEHICLE_LATITUDE, "GNSS_POSITION", "Latitude", 1.0)->valid = signal_of("GNSS_POSITION", "PositionValid");
+	bind_input(VEHICLE_LATITUDE, "GNSS_POSITION", "Latitude", 1.0)->valid = signal_of("GNSS_POSITION", "PositionValid");
 	feed("GNSS_POSITION", "Latitude", 46.2, 1000);
 	assert_int_equal(vehicle.inputs[VEHICLE_LATITUDE].fault, VEHICLE_FAULT_INVALID);
 	config.inputs[VEHICLE_SPEED].frozen_ns = 50 * MS;
@@ -258,12 +258,12 @@ static void a_value_may_be_said_to_be_invalid_or_frozen(void **unused)
 static void gear_and_lamps_are_looked_up_and_reverse_turns_the_sign(void **unused)
 {
 	(void)unused;
-	struct vehicle_binding *gear = bind(VEHICLE_GEAR, "DRIVETRAIN", "Gear", 1.0);
+	struct vehicle_binding *gear = bind_input(VEHICLE_GEAR, "DRIVETRAIN", "Gear", 1.0);
 	gear->map_count = 2;
 	gear->map[0] = (struct vehicle_map){ 1, NAV_GEAR_REVERSE };
 	gear->map[1] = (struct vehicle_map){ 3, NAV_GEAR_DRIVE };
-	bind(VEHICLE_TURN_LEFT, "BODY", "LowBeam", 1.0);
-	bind(VEHICLE_TURN_RIGHT, "BODY", "TurnLamp", 1.0);
+	bind_input(VEHICLE_TURN_LEFT, "BODY", "LowBeam", 1.0);
+	bind_input(VEHICLE_TURN_RIGHT, "BODY", "TurnLamp", 1.0);
 	feed("DRIVETRAIN", "Gear", 1, 1000);
 	feed("MOTION", "Speed", 7.2, 1000);
 	assert_int_equal(state_at(VEHICLE_GEAR, 1000), NAV_SIGNAL_GOOD);
@@ -292,10 +292,10 @@ static void the_yaw_rate_falls_back_to_steering_then_wheels(void **unused)
 {
 	(void)unused;
 	const double degree = BLVD_PI / 180.0;
-	bind(VEHICLE_YAW_RATE, "MOTION", "YawRate", -degree);
-	bind(VEHICLE_STEERING, "STEERING", "SteeringAngle", -degree)->timeout_ns = 300 * MS;
-	bind(VEHICLE_WHEEL_REAR_LEFT, "WHEELS", "WheelRearLeft", 1.0 / 3.6)->timeout_ns = 1000 * MS;
-	bind(VEHICLE_WHEEL_REAR_RIGHT, "WHEELS", "WheelRearRight", 1.0 / 3.6)->timeout_ns = 1000 * MS;
+	bind_input(VEHICLE_YAW_RATE, "MOTION", "YawRate", -degree);
+	bind_input(VEHICLE_STEERING, "STEERING", "SteeringAngle", -degree)->timeout_ns = 300 * MS;
+	bind_input(VEHICLE_WHEEL_REAR_LEFT, "WHEELS", "WheelRearLeft", 1.0 / 3.6)->timeout_ns = 1000 * MS;
+	bind_input(VEHICLE_WHEEL_REAR_RIGHT, "WHEELS", "WheelRearRight", 1.0 / 3.6)->timeout_ns = 1000 * MS;
 	config.inputs[VEHICLE_SPEED].timeout_ns = 300 * MS;
 	config.wheelbase_m = 2.7;
 	config.steering_ratio = 15.0;
@@ -326,8 +326,8 @@ static void the_yaw_rate_falls_back_to_steering_then_wheels(void **unused)
 static void a_fix_needs_both_coordinates_new(void **unused)
 {
 	(void)unused;
-	bind(VEHICLE_LATITUDE, "GNSS_POSITION", "Latitude", 1.0);
-	bind(VEHICLE_LONGITUDE, "GNSS_POSITION", "Longitude", 1.0)->max = 180.0;
+	bind_input(VEHICLE_LATITUDE, "GNSS_POSITION", "Latitude", 1.0);
+	bind_input(VEHICLE_LONGITUDE, "GNSS_POSITION", "Longitude", 1.0)->max = 180.0;
 	struct can_frame_rx frame = frame_with("GNSS_POSITION", "Latitude", 46.2, 1000);
 	dbc_encode(signal_of("GNSS_POSITION", "Longitude"), 6.15, &frame);
 	vehicle_feed(&vehicle, &frame);
@@ -345,7 +345,7 @@ static void a_fix_needs_both_coordinates_new(void **unused)
 static void other_frames_are_passed_over(void **unused)
 {
 	(void)unused;
-	bind(VEHICLE_AMBIENT, "X", "Paged", 1.0);
+	bind_input(VEHICLE_AMBIENT, "X", "Paged", 1.0);
 	config.inputs[VEHICLE_SPEED].bus = 1;
 	struct can_frame_rx frame = frame_with("MOTION", "Speed", 36.0, 1000);
 	vehicle_feed(&vehicle, &frame); /* bus 0 */
@@ -370,7 +370,7 @@ static void other_frames_are_passed_over(void **unused)
 static void a_heading_jumps_over_north_without_fault(void **unused)
 {
 	(void)unused;
-	struct vehicle_binding *binding = bind(VEHICLE_HEADING, "GNSS_MOTION", "Course", BLVD_PI / 180.0);
+	struct vehicle_binding *binding = bind_input(VEHICLE_HEADING, "GNSS_MOTION", "Course", BLVD_PI / 180.0);
 	binding->wraps = true;
 	binding->turn = 2.0 * BLVD_PI;
 	binding->max_rate = 1.0;

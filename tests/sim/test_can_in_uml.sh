@@ -3,6 +3,7 @@
 # module. Skipped where user-mode-linux is not installed. BLVD_UML is the folder of an unpacked package instead of /.
 build=$(cd "$1" && pwd)
 uml=${BLVD_UML:-}
+grep -q '^BLVD_SANITIZE:BOOL=ON' "$build/CMakeCache.txt" && { echo "skipped: no sanitizers in so small a machine"; exit 77; }
 linux=$uml/usr/bin/linux.uml
 command -v insmod ip > /dev/null || { echo "skipped: no insmod or ip (packages kmod, iproute2)"; exit 77; }
 [ -x "$linux" ] || { echo "skipped: no $linux (package user-mode-linux)"; exit 77; }
