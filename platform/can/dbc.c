@@ -187,7 +187,7 @@ static bool take_raw(struct reader *in, int64_t *out)
 static bool take_text(struct reader *in, struct word *out)
 {
 	unsigned start_line = in->line;
-	*out = (struct word){ 0 };
+	*out = (struct word){ in->at, 0 };
 	if (!take(in, '"'))
 		return fail(in, "text in quotes expected");
 	out->at = in->at;

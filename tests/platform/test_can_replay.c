@@ -104,8 +104,7 @@ static void a_line_longer_than_the_buffer_is_one_bad_line(void **state)
 	struct can_bus *bus;
 	struct can_frame_rx frames[8];
 	memset(text, 'x', sizeof(text));
-	const char *first = "(1.0) c 001#\n";
-	memcpy(text, first, strlen(first));
+	text[snprintf(text, 40, "(1.0) c 001#\n")] = 'x';
 	snprintf(text + sizeof(text) - 40, 40, "\n(1.5) c 002#\n");
 	assert_int_equal(open_text(&bus, text, (struct can_bus_config){ 0 }), 0);
 	assert_int_equal(read_all(bus, frames, 8), 2);
