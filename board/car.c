@@ -323,6 +323,17 @@ static void take_interfaces(
 		car->interfaces[i] = i < interface_count ? interfaces[i] : profile->interfaces[i];
 }
 
+static void take_destination(struct car *car)
+{
+	for (unsigned i = 0; i < car->dbc_count && !car->destination; i++) {
+		const struct dbc_message *message = dbc_find_message(&car->dbc[i], "DESTINATION");
+		if (!message)
+			continue;
+		car->destination = &car->dbc[i];
+		add_filter(car, message);
+	}
+}
+
 static void take_geometry(struct car *car, const struct profile *profile)
 {
 	car->vehicle.wheelbase_m = profile->wheelbase_m;
@@ -357,5 +368,6 @@ int car_init(struct car *car, const struct profile *profile, const char *const *
 			return status;
 		add_filter(car, car->vehicle.inputs[i].signal->message);
 	}
+	take_destination(car);
 	return 0;
 }

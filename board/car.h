@@ -14,7 +14,8 @@ struct car {
 	unsigned interface_count;
 	const char *interfaces[CAN_BUS_MAX]; /* for can_bus_config; their order is that of the bindings' bus numbers */
 	unsigned filter_count;
-	struct can_bus_filter filters[VEHICLE_INPUT_COUNT]; /* the identifiers in use */
+	struct can_bus_filter filters[VEHICLE_INPUT_COUNT + 1]; /* the identifiers in use */
+	const struct dbc *destination; /* definitions with a DESTINATION message, for nav/destination.h; NULL none */
 };
 
 /* `dbc` replaces the profile's definition files when `dbc_count` is not 0, and `interfaces` its interface names, the

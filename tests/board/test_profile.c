@@ -50,7 +50,8 @@ static void the_built_in_profile_describes_the_virtual_car(void **state)
 	assert_int_equal(car.vehicle.inputs[VEHICLE_LATITUDE].timeout_ns, 1000000000);
 	assert_int_equal(car.vehicle.inputs[VEHICLE_GEAR].map_count, 4);
 	assert_int_equal(car.vehicle.inputs[VEHICLE_TURN_LAMP].map_count, 4);
-	assert_int_equal(car.filter_count, 8);
+	assert_int_equal(car.filter_count, 9); /* eight messages with inputs, and the destination */
+	assert_ptr_equal(car.destination, &car.dbc[0]);
 	assert_int_equal(car.interface_count, 1);
 	assert_string_equal(car.interfaces[0], "vcan0");
 }
@@ -221,7 +222,7 @@ static void options_replace_definitions_and_interfaces(void **state)
 	assert_string_equal(car.interfaces[1], "can1");
 	assert_int_equal(car.vehicle.inputs[VEHICLE_SPEED].bus, 0);
 	assert_int_equal(car.vehicle.inputs[VEHICLE_YAW_RATE].bus, 1);
-	assert_int_equal(car.filter_count, 1);
+	assert_int_equal(car.filter_count, 2); /* MOTION and DESTINATION */
 }
 
 static void limits_and_units_go_together(void **state)
