@@ -1,4 +1,409 @@
-int main(void)
+/*
+ * boulevard: this machine. The only file that knows every room: options, profile, memory, start, loop, shutdown. After
+ * the first frame the loop neither allocates nor opens anything, except to write what was asked for (frames, stats).
+ */
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+
+#include "board/inputs.h"
+#include "board/options.h"
+#include "board/png_write.h"
+#include "board/profile.h"
+#include "board/stats.h"
+#include "platform/base/clock.h"
+#include "platform/base/log.h"
+#include "platform/display/display.h"
+#include "render/frame.h"
+
+#define CPU_SHARE_MIN ((uint64_t)3 << 20)
+#define CPU_SHARE_MAX ((uint64_t)96 << 20)
+
+struct machine {
+	struct options options;
+	struct profile profile;
+	uint8_t *memory; /* the CPU's part of the budget, one reservation */
+	uint64_t memory_bytes, gpu_bytes;
+	struct arena boot;
+	struct pkg pkg;
+	struct inputs inputs;
+	struct display display;
+	struct renderer *renderer;
+	uint8_t *pixels; /* width * height * 4 */
+	struct stats stats;
+	bool simulated; /* the clock follows the frames, not the wall */
+	bool night, paused;
+	bool quit;
+	int64_t started_ns; /* of the process */
+	int64_t origin_ns;  /* real time that is 0 on the frames' clock */
+	uint32_t last_half;
+};
+
+static struct machine machine;
+static volatile sig_atomic_t stop_asked, stats_asked;
+
+static void on_signal(int number)
 {
+	if (number == SIGUSR1)
+		stats_asked = 1;
+	else
+		stop_asked = 1;
+}
+
+static void catch_signals(void)
+{
+	struct sigaction action = { .sa_handler = on_signal };
+	sigemptyset(&action.sa_mask);
+	sigaction(SIGUSR1, &action, NULL);
+	sigaction(SIGINT, &action, NULL);
+	sigaction(SIGTERM, &action, NULL);
+}
+
+/* One reservation for everything of ours on the CPU; the rest of the budget is the GPU's. */
+static int reserve_memory(struct machine *m)
+{
+	uint64_t budget = m->options.budget_bytes;
+	m->memory_bytes = budget / 4;
+	if (m->memory_bytes < CPU_SHARE_MIN)
+		m->memory_bytes = CPU_SHARE_MIN;
+	if (m->memory_bytes > CPU_SHARE_MAX)
+		m->memory_bytes = CPU_SHARE_MAX;
+	m->gpu_bytes = budget - m->memory_bytes;
+	void *at = mmap(NULL, (size_t)m->memory_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+	if (at == MAP_FAILED) {
+		log_error("cannot reserve %llu MiB: %s", (unsigned long long)(m->memory_bytes >> 20), strerror(errno));
+		return -ENOMEM;
+	}
+	m->memory = at;
+	arena_init(&m->boot, "boot", m->memory, (size_t)m->memory_bytes);
 	return 0;
+}
+
+/* The profile is read before the budget is known: it says it. Its strings live in a small buffer of their own. */
+static int load_profile(struct machine *m)
+{
+	static uint8_t text[256 << 10];
+	static struct arena arena;
+	arena_init(&arena, "profile", text, sizeof(text));
+	int status = profile_load(&m->profile, m->options.profile, &arena);
+	if (status < 0)
+		return status;
+	struct options *o = &m->options;
+	if (!o->width) {
+		o->width = m->profile.width;
+		o->height = m->profile.height;
+	}
+	if (!o->fps)
+		o->fps = m->profile.fps;
+	if (!o->budget_bytes)
+		o->budget_bytes = m->profile.budget_bytes;
+	if (o->samples < 0)
+		o->samples = (int)m->profile.samples;
+	m->night = m->profile.style == PROFILE_STYLE_NIGHT;
+	return 0;
+}
+
+static int open_package(struct machine *m)
+{
+	struct pkg_fault fault;
+	int status = pkg_open(&m->pkg, m->options.package, &fault);
+	if (status < 0)
+		log_error("%s: byte %llu: %s", m->options.package, (unsigned long long)fault.offset, fault.text);
+	return status;
+}
+
+static int open_display(struct machine *m)
+{
+	const char *name = m->options.display;
+	if (!name)
+		name = getenv("DISPLAY") || getenv("WAYLAND_DISPLAY") ? "window" : "headless";
+	const struct display_ops *ops = display_by_name(name);
+	if (!ops) {
+		log_error("this program was built without display '%s'", name);
+		return -ENODEV;
+	}
+	struct display_config config = {
+		.width = m->options.width, .height = m->options.height, .title = "Boulevard", .vsync = true
+	};
+	m->simulated = m->options.replay && !ops->has_window;
+	return display_open(&m->display, ops, &config);
+}
+
+static int open_renderer(struct machine *m)
+{
+	struct options *o = &m->options;
+	const char *far_name = o->far_name && strcmp(o->far_name, "auto") != 0 ? o->far_name : "full";
+	struct renderer_config config = {
+		.width = o->width,
+		.height = o->height,
+		.samples = o->samples > 0 ? (uint32_t)o->samples : 1,
+		.gpu_budget_bytes = m->gpu_bytes,
+		.far_name = far_name,
+		.get_proc = display_get_proc,
+		.overlay = true,
+		.zone_given = true,
+		.utc_offset_minutes = (int32_t)m->pkg.meta->utc_offset_minutes,
+		.imperial = m->profile.units == PROFILE_UNITS_IMPERIAL,
+	};
+	m->stats.far_name = far_name;
+	int status = renderer_init(&m->renderer, &m->boot, &config, &m->pkg);
+	if (status == -ENOMEM)
+		log_error("the budget of %llu MiB is too small for %s at %u x %u", (unsigned long long)(o->budget_bytes >> 20),
+			o->package, o->width, o->height);
+	if (status < 0)
+		return status;
+	if (o->camera_view) {
+		int kind = camera_from_name(o->camera_view);
+		if (kind < 0) {
+			log_error("no camera called '%s': driver, chase, heading-up, north-up", o->camera_view);
+			return -EINVAL;
+		}
+		renderer_camera(m->renderer)->kind = (enum camera_kind)kind;
+	}
+	m->pixels = arena_alloc(&m->boot, (size_t)o->width * o->height * 4, 64);
+	if (!m->pixels) {
+		log_error("the budget of %llu MiB is too small to read back %u x %u pixels",
+			(unsigned long long)(o->budget_bytes >> 20), o->width, o->height);
+		return -ENOMEM;
+	}
+	return 0;
+}
+
+static int make_frames_folder(const char *path)
+{
+	if (mkdir(path, 0777) < 0 && errno != EEXIST) {
+		int status = -errno;
+		log_error("%s: %s", path, strerror(-status));
+		return status;
+	}
+	return 0;
+}
+
+/* Bad input first, then this machine: returns an exit status. */
+static int start(struct machine *m)
+{
+	if (load_profile(m) < 0)
+		return EXIT_CODE_BAD_INPUT;
+	if (open_package(m) < 0)
+		return EXIT_CODE_BAD_INPUT;
+	if (reserve_memory(m) < 0)
+		return EXIT_CODE_FAILED;
+	int status = inputs_open(&m->inputs, &m->options, &m->profile, &m->pkg, &m->boot);
+	if (status < 0)
+		return status == -ENOMEM || (m->options.can_count && !m->options.replay) ? EXIT_CODE_FAILED
+																				 : EXIT_CODE_BAD_INPUT;
+	if (m->options.frames && make_frames_folder(m->options.frames) < 0)
+		return EXIT_CODE_FAILED;
+	if (open_display(m) < 0)
+		return EXIT_CODE_FAILED;
+	status = open_renderer(m);
+	if (status < 0)
+		return status == -EINVAL ? EXIT_CODE_USAGE : EXIT_CODE_FAILED;
+	return EXIT_CODE_DONE;
+}
+
+static void gather_stats(struct machine *m)
+{
+	struct renderer_stats drawn;
+	renderer_stats(m->renderer, &drawn);
+	struct stats *s = &m->stats;
+	s->renderer = drawn.gl_renderer;
+	s->width = m->options.width;
+	s->height = m->options.height;
+	s->samples = drawn.samples;
+	s->tau_px = m->options.tau_px;
+	s->damaged_chunks = drawn.chunks_damaged;
+	s->budget_bytes = m->options.budget_bytes;
+	s->cpu_high_water_bytes = m->boot.high_water;
+	s->gpu_high_water_bytes = drawn.gpu_bytes_high_water;
+	s->allocations_after_start = m->boot.late;
+	s->can_frames_in = m->inputs.vehicle.frames_in;
+	s->can_frames_bad = m->inputs.vehicle.frames_bad + (m->inputs.bus ? m->inputs.bus->stats.bad : 0);
+	s->stale_ns_max = m->inputs.vehicle.stale_ns_max;
+	s->reroutes = m->inputs.nav.reroutes;
+}
+
+static void write_stats(struct machine *m)
+{
+	if (!m->options.stats)
+		return;
+	gather_stats(m);
+	int status = stats_write(&m->stats, m->options.stats);
+	if (status < 0)
+		log_error("%s: cannot write: %s", m->options.stats, strerror(-status));
+}
+
+static void handle_key(struct machine *m, enum display_key key)
+{
+	struct camera *camera = renderer_camera(m->renderer);
+	switch (key) {
+	case DISPLAY_KEY_CAMERA:
+		camera_next(camera);
+		break;
+	case DISPLAY_KEY_ZOOM_IN:
+	case DISPLAY_KEY_UP:
+		camera_zoom(camera, 1.25);
+		break;
+	case DISPLAY_KEY_ZOOM_OUT:
+	case DISPLAY_KEY_DOWN:
+		camera_zoom(camera, 0.8);
+		break;
+	case DISPLAY_KEY_NIGHT:
+		m->night = !m->night;
+		break;
+	case DISPLAY_KEY_PAUSE:
+		m->paused = m->options.replay && !m->paused;
+		break;
+	case DISPLAY_KEY_QUIT:
+		m->quit = true;
+		break;
+	default:
+		break;
+	}
+}
+
+static void handle_events(struct machine *m)
+{
+	struct display_event event;
+	m->display.ops->pump(&m->display);
+	while (display_poll(&m->display, &event)) {
+		if (event.kind == DISPLAY_EVENT_CLOSE)
+			m->quit = true;
+		else if (event.kind == DISPLAY_EVENT_KEY)
+			handle_key(m, event.key);
+	}
+}
+
+static void count_frame(struct machine *m, int64_t took_ns, const struct nav_view *view)
+{
+	struct renderer_stats drawn;
+	renderer_stats(m->renderer, &drawn);
+	struct stats *s = &m->stats;
+	histogram_add(&s->frame_ns, (uint64_t)took_ns);
+	histogram_add(&s->triangles, drawn.triangles);
+	histogram_add(&s->far_triangles, drawn.far_triangles);
+	histogram_add(&s->draws, drawn.draws);
+	s->late_frames += took_ns > NS_PER_S / m->options.fps;
+	s->fallback_frames += drawn.chunks_wanted_missing > 0;
+	s->off_street_frames += view->located && !view->on_street;
+	if (view->located && view->half != m->last_half) {
+		s->cells_entered++;
+		m->last_half = view->half;
+	}
+	if (s->frames++ == 0) {
+		s->first_frame_ms = (double)(clock_now_ns() - m->started_ns) / 1e6;
+		arena_seal(&m->boot);
+	}
+}
+
+static void draw(struct machine *m, int64_t now_ns, const struct nav_view *view)
+{
+	struct renderer_time time = {
+		.time_ns = now_ns,
+		.wall_ns = inputs_wall_ns(&m->inputs, now_ns),
+		.force_night = m->night,
+		.ambient = m->profile.style == PROFILE_STYLE_DAY ? 1.0 : view->ambient,
+	};
+	int64_t began = clock_now_ns();
+	renderer_draw(m->renderer, view, &time);
+	if (m->display.ops->has_window)
+		renderer_present(m->renderer, m->display.width, m->display.height);
+	else
+		renderer_read_pixels(
+			m->renderer, m->pixels); /* waits for the picture: so the time is that of the whole frame */
+	count_frame(m, clock_now_ns() - began, view);
+}
+
+static int save_frame(struct machine *m)
+{
+	uint64_t number = m->stats.frames - 1;
+	if (!m->options.frames || number % m->options.every)
+		return 0;
+	char path[4096];
+	if (snprintf(path, sizeof(path), "%s/frame-%06llu.png", m->options.frames, (unsigned long long)number) >=
+		(int)sizeof(path))
+		return -ENAMETOOLONG;
+	if (m->display.ops->has_window)
+		renderer_read_pixels(m->renderer, m->pixels);
+	return png_write(path, m->pixels, m->options.width, m->options.height);
+}
+
+/* The frames' clock of the next frame; waits for it unless the clock is simulated. */
+static int64_t next_time(struct machine *m, int64_t last_ns)
+{
+	int64_t period = NS_PER_S / m->options.fps;
+	if (m->simulated)
+		return (int64_t)m->stats.frames * NS_PER_S / m->options.fps;
+	if (m->stats.frames == 0)
+		m->origin_ns = m->options.replay ? clock_now_ns() : 0;
+	clock_sleep_until(m->origin_ns + last_ns + period);
+	int64_t now = clock_now_ns() - m->origin_ns;
+	if (m->paused) {
+		m->origin_ns += now - last_ns;
+		return last_ns;
+	}
+	return now;
+}
+
+static bool is_over(const struct machine *m)
+{
+	return m->quit || stop_asked || (m->options.limit && m->stats.frames >= m->options.limit) ||
+		   (m->options.replay && inputs_ended(&m->inputs));
+}
+
+static int run(struct machine *m)
+{
+	static struct nav_view view;
+	int64_t now_ns = 0;
+	m->last_half = PKG_NONE;
+	do {
+		handle_events(m);
+		now_ns = next_time(m, now_ns);
+		inputs_advance(&m->inputs, now_ns, &view);
+		draw(m, now_ns, &view);
+		if (m->display.ops->has_window && display_present(&m->display) < 0)
+			return EXIT_CODE_FAILED;
+		if (save_frame(m) < 0)
+			return EXIT_CODE_FAILED;
+		if (stats_asked) {
+			stats_asked = 0;
+			write_stats(m);
+		}
+	} while (!is_over(m));
+	return EXIT_CODE_DONE;
+}
+
+static int finish(struct machine *m, int code)
+{
+	if (m->renderer && m->stats.frames)
+		write_stats(m);
+	int status = inputs_close(&m->inputs);
+	if (status < 0 && code == EXIT_CODE_DONE) {
+		log_error("%s: cannot write: %s", m->options.record, strerror(-status));
+		code = EXIT_CODE_FAILED;
+	}
+	renderer_finish(m->renderer);
+	display_close(&m->display);
+	pkg_close(&m->pkg);
+	if (m->memory)
+		munmap(m->memory, (size_t)m->memory_bytes);
+	return code;
+}
+
+int main(int argc, char **argv)
+{
+	machine.started_ns = clock_now_ns();
+	log_init("boulevard", LOG_INFO);
+	options_parse(&machine.options, argc, argv);
+	if (machine.options.verbose)
+		log_init("boulevard", LOG_DEBUG);
+	catch_signals();
+	int code = start(&machine);
+	if (code == EXIT_CODE_DONE)
+		code = run(&machine);
+	return finish(&machine, code);
 }

@@ -1,0 +1,159 @@
+#include "board/inputs.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "platform/base/clock.h"
+#include "platform/base/log.h"
+
+#define STEP_NS (10 * NS_PER_MS)
+
+static int open_bus(struct inputs *inputs, const struct options *options, struct arena *arena)
+{
+	struct can_bus_config config = {
+		.path = options->replay,
+		.interfaces = inputs->car.interfaces,
+		.interface_count = inputs->car.interface_count,
+		.filters = inputs->car.filters,
+		.filter_count = options->record ? 0 : inputs->car.filter_count, /* a recording holds everything */
+	};
+	if (!options->replay && !options->can_count)
+		return 0;
+	const struct can_bus_ops *ops = options->replay ? &can_replay_ops : &can_socketcan_ops;
+	int status = can_bus_open(&inputs->bus, ops, &config, arena);
+	const char *what = options->replay ? options->replay : options->can[0];
+	if (status == -ENODATA)
+		log_error("%s: not a single CAN frame in it", what);
+	else if (status < 0)
+		log_error("%s: cannot open: %s", what, strerror(-status));
+	return status;
+}
+
+static int open_recorder(struct inputs *inputs, const char *path, struct arena *arena)
+{
+	inputs->recorder = ARENA_ARRAY(arena, struct candump_writer, 1);
+	if (!inputs->recorder)
+		return -ENOMEM;
+	inputs->record_fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+	if (inputs->record_fd < 0) {
+		int status = -errno;
+		log_error("%s: cannot write: %s", path, strerror(-status));
+		return status;
+	}
+	candump_writer_init(inputs->recorder, inputs->record_fd);
+	return 0;
+}
+
+static void set_course(struct inputs *inputs, const struct options *options, const struct profile *profile)
+{
+	bool started = true;
+	if (options->has_start)
+		started = nav_set_start(&inputs->nav, options->start.lat_deg, options->start.lon_deg,
+			options->has_heading ? options->start_heading_deg : (double)NAN);
+	else if (profile->has_start)
+		started = nav_set_start(&inputs->nav, profile->start.lat_deg, profile->start.lon_deg,
+			profile->has_heading ? profile->start_heading_deg : (double)NAN);
+	if (!started)
+		log_warn("no street near the start position; waiting for a satellite position");
+	if (options->has_destination &&
+		!nav_set_destination(&inputs->nav, options->destination.lat_deg, options->destination.lon_deg))
+		log_warn("no street near the destination");
+}
+
+int inputs_open(struct inputs *inputs, const struct options *options, const struct profile *profile,
+	const struct pkg *pkg, struct arena *arena)
+{
+	*inputs = (struct inputs){ .record_fd = -1 };
+	int status = car_init(&inputs->car, profile, options->dbc, (unsigned)options->dbc_count, options->can,
+		(unsigned)options->can_count, arena);
+	if (status < 0)
+		return status;
+	vehicle_init(&inputs->vehicle, &inputs->car.vehicle);
+	for (unsigned i = 0; i < inputs->car.dbc_count && !inputs->destination.count_signal; i++)
+		destination_init(&inputs->destination, &inputs->car.dbc[i]);
+	struct nav_config config = { 0 };
+	if ((status = nav_init(&inputs->nav, arena, pkg, &config)) < 0) {
+		log_error("the memory budget is too small for the street graph of this city (%zu bytes)",
+			nav_bytes(&pkg->graph, &config));
+		return status;
+	}
+	set_course(inputs, options, profile);
+	if ((status = open_bus(inputs, options, arena)) < 0)
+		return status;
+	return options->record ? open_recorder(inputs, options->record, arena) : 0;
+}
+
+static void take_frame(struct inputs *inputs, const struct can_frame_rx *frame)
+{
+	vehicle_feed(&inputs->vehicle, frame);
+	if (inputs->destination.count_signal && destination_feed(&inputs->destination, frame)) {
+		if (!inputs->destination.stop_count)
+			nav_clear_destination(&inputs->nav);
+		else if (!nav_set_stops(&inputs->nav, inputs->destination.stops, inputs->destination.stop_count))
+			log_warn("no street near the destination that the car asks for");
+	}
+	if (inputs->recorder && frame->bus < inputs->bus->interface_count) {
+		struct can_frame_rx stamped = *frame;
+		stamped.time_ns += inputs->bus->wall_offset_ns;
+		candump_writer_add(inputs->recorder, inputs->bus->interfaces[frame->bus].name, &stamped);
+	}
+}
+
+static void read_bus(struct inputs *inputs, int64_t until_ns)
+{
+	while (inputs->bus && !inputs->read_error) {
+		int count = can_bus_read(inputs->bus, until_ns, inputs->batch, INPUTS_BATCH);
+		if (count < 0) {
+			inputs->read_error = count;
+			log_error("the CAN bus cannot be read any more: %s", strerror(-count));
+		}
+		for (int i = 0; i < count; i++)
+			take_frame(inputs, &inputs->batch[i]);
+		if (count < INPUTS_BATCH)
+			return;
+	}
+}
+
+void inputs_advance(struct inputs *inputs, int64_t now_ns, struct nav_view *out)
+{
+	struct vehicle_state state;
+	while (inputs->now_ns < now_ns - STEP_NS) {
+		/* After a long pause of ours only the last second is stepped through finely. */
+		int64_t behind = now_ns - inputs->now_ns;
+		inputs->now_ns += behind > 60 * NS_PER_S ? behind - NS_PER_S : STEP_NS;
+		read_bus(inputs, inputs->now_ns);
+		vehicle_sample(&inputs->vehicle, inputs->now_ns, &state);
+		nav_update(&inputs->nav, &state, inputs->now_ns, inputs_wall_ns(inputs, inputs->now_ns), NULL);
+	}
+	inputs->now_ns = now_ns;
+	read_bus(inputs, now_ns);
+	vehicle_sample(&inputs->vehicle, now_ns, &state);
+	nav_update(&inputs->nav, &state, now_ns, inputs_wall_ns(inputs, now_ns), out);
+}
+
+bool inputs_ended(const struct inputs *inputs)
+{
+	return inputs->read_error || (inputs->bus && inputs->bus->ended);
+}
+
+int64_t inputs_wall_ns(const struct inputs *inputs, int64_t now_ns)
+{
+	return inputs->bus && inputs->bus->wall_offset_ns ? now_ns + inputs->bus->wall_offset_ns : 0;
+}
+
+int inputs_close(struct inputs *inputs)
+{
+	int status = 0;
+	if (inputs->recorder && inputs->record_fd >= 0) {
+		status = candump_writer_flush(inputs->recorder);
+		if (close(inputs->record_fd) < 0 && !status)
+			status = -errno;
+	}
+	can_bus_close(inputs->bus);
+	inputs->bus = NULL;
+	inputs->recorder = NULL;
+	return status;
+}
