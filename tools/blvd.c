@@ -29,6 +29,15 @@ static void print_usage(FILE *to)
 	fprintf(to, "\n'blvd COMMAND --help' tells a command's options; 'man blvd' tells the rest.\n");
 }
 
+/* Help and errors of argp name the program by argv[0]. */
+static int run_command(const struct command *command, int argc, char **argv)
+{
+	static char name[32];
+	snprintf(name, sizeof(name), "blvd %s", command->name);
+	argv[0] = name;
+	return command->run(argc, argv);
+}
+
 int main(int argc, char **argv)
 {
 	log_init("blvd", LOG_INFO);
@@ -47,7 +56,7 @@ int main(int argc, char **argv)
 	}
 	for (const struct command *command = commands; command->name; command++)
 		if (!strcmp(argv[1], command->name))
-			return command->run(argc - 1, argv + 1);
+			return run_command(command, argc - 1, argv + 1);
 	fprintf(stderr, "blvd: error: no command '%s'\n", argv[1]);
 	print_usage(stderr);
 	return EXIT_USAGE;
