@@ -145,9 +145,11 @@ static int open_renderer(struct machine *m)
 		.far_name = far_name,
 		.get_proc = display_get_proc,
 		.overlay = true,
-		.zone_given = true,
-		.utc_offset_minutes = (int32_t)m->pkg.meta->utc_offset_minutes,
-		.imperial = m->profile.units == PROFILE_UNITS_IMPERIAL,
+		.overlay_config = {
+			.units = m->profile.units == PROFILE_UNITS_IMPERIAL ? UNITS_MILES_FEET : UNITS_METRIC,
+			.zone_given = true,
+			.utc_offset_minutes = (int32_t)m->pkg.meta->utc_offset_minutes,
+		},
 	};
 	m->stats.far_name = far_name;
 	int status = renderer_init(&m->renderer, &m->boot, &config, &m->pkg);
