@@ -17,6 +17,7 @@ struct draw_item {
 	uint32_t first, count; /* indices, from the chunk's first */
 	uint8_t slice;         /* enum view_slice_id */
 	uint8_t pass;          /* enum pkg_pass */
+	uint8_t look;          /* enum city_look */
 	uint8_t opacity;       /* 255 solid; less is dissolved */
 };
 

@@ -19,13 +19,9 @@ static_assert(offsetof(struct frame_block, haze) == 64, "std140");
 static_assert(sizeof(struct frame_block) == 128, "std140");
 
 /* The uniform block `Materials` of city.vert. */
-struct material_row {
-	float mean[4]; /* linear rgb, gloss 0 to 1 */
-	float kind[4]; /* enum pkg_material_kind, texture layer, 0, 0 */
-};
 struct materials_block {
-	struct material_row row[256];
+	float row[256][4]; /* enum pkg_material_kind, texture layer, gloss 0 to 1, 0 */
 };
-static_assert(sizeof(struct materials_block) == 8192, "std140");
+static_assert(sizeof(struct materials_block) == 4096, "std140");
 
 #endif

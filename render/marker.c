@@ -109,7 +109,7 @@ void marker_draw(const struct marker *marker, const struct view *view, const str
 		.scale = fmaxf(1.0f, away * 46.0f / (view->focal_px * LENGTH_M)), /* >= 46 px */
 		.turn = { (float)cos(heading), (float)sin(heading) },
 		.clip_from_eye = view->slice[slice].clip_from_eye,
-		.color = { 0.95f * dim, 0.36f * dim, 0.20f * dim, 1.0f },
+		.color = { 0.84f * dim, 0.38f * dim, 0.25f * dim, 1.0f },
 	};
 	struct gfx_draw draw = {
 		.pipeline = marker->front,

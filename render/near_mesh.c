@@ -16,23 +16,32 @@ static const struct gfx_attribute vertex_layout[] = {
 static_assert(offsetof(struct pkg_mesh_vertex, seed) == offsetof(struct pkg_mesh_vertex, rgb) + 3, "one attribute");
 static_assert(offsetof(struct pkg_mesh_vertex, material) == offsetof(struct pkg_mesh_vertex, ao) + 1, "one attribute");
 
-static int make_program(struct near_mesh *mesh, const char *defines, gfx_program *out)
+static const char *const look_defines[LOOK_COUNT][2] = {
+	[LOOK_PLAIN] = { NULL, "#define FADE 1\n" },
+	[LOOK_WALLS] = { "#define HAS_WALL 1\n", "#define HAS_WALL 1\n#define FADE 1\n" },
+	[LOOK_GROUND] = { "#define HAS_GROUND 1\n", "#define HAS_GROUND 1\n#define FADE 1\n" },
+	[LOOK_WATER] = { "#define HAS_WATER 1\n", "#define HAS_WATER 1\n#define FADE 1\n" },
+	[LOOK_ALL] = { "#define HAS_WALL 1\n#define HAS_GROUND 1\n#define HAS_WATER 1\n",
+		"#define HAS_WALL 1\n#define HAS_GROUND 1\n#define HAS_WATER 1\n#define FADE 1\n" },
+};
+
+static int make_program(struct near_mesh *mesh, enum city_look look, int dissolved)
 {
 	struct gfx_program_desc desc = {
 		.vertex = "city.vert",
 		.fragment = "city.frag",
-		.defines = defines,
+		.defines = look_defines[look][dissolved],
 		.textures = { "u_textures", "u_light_map" },
 		.blocks = { "Frame", "Materials" },
 	};
-	return gfx_program_create(mesh->gfx, &desc, out);
+	return gfx_program_create(mesh->gfx, &desc, &mesh->programs[look][dissolved]);
 }
 
-static int make_pipeline(struct near_mesh *mesh, enum pkg_pass pass, int dissolved)
+static int make_pipeline(struct near_mesh *mesh, enum city_look look, enum pkg_pass pass, int dissolved)
 {
 	bool decal = pass == PKG_PASS_DECAL;
 	struct gfx_pipeline_desc desc = {
-		.program = dissolved ? mesh->dissolved : mesh->solid,
+		.program = mesh->programs[look][dissolved],
 		.stride = sizeof(struct pkg_mesh_vertex),
 		.attribute_count = sizeof(vertex_layout) / sizeof(vertex_layout[0]),
 		.index = GFX_INDEX_U16,
@@ -44,17 +53,19 @@ static int make_pipeline(struct near_mesh *mesh, enum pkg_pass pass, int dissolv
 	};
 	for (uint32_t i = 0; i < desc.attribute_count; i++)
 		desc.attributes[i] = vertex_layout[i];
-	return gfx_pipeline_create(mesh->gfx, &desc, &mesh->pipelines[pass][dissolved]);
+	return gfx_pipeline_create(mesh->gfx, &desc, &mesh->pipelines[look][pass][dissolved]);
 }
 
 static int make_pipelines(struct near_mesh *mesh)
 {
-	int err = make_program(mesh, NULL, &mesh->solid);
-	if (!err)
-		err = make_program(mesh, "#define FADE 1\n", &mesh->dissolved);
-	for (int pass = 0; pass < PKG_PASS_COUNT; pass++)
-		for (int dissolved = 0; dissolved < 2 && !err; dissolved++)
-			err = make_pipeline(mesh, (enum pkg_pass)pass, dissolved);
+	int err = 0;
+	for (int look = 0; look < LOOK_COUNT; look++) {
+		for (int dissolved = 0; dissolved < 2 && !err; dissolved++) {
+			err = make_program(mesh, (enum city_look)look, dissolved);
+			for (int pass = 0; pass < PKG_PASS_COUNT && !err; pass++)
+				err = make_pipeline(mesh, (enum city_look)look, (enum pkg_pass)pass, dissolved);
+		}
+	}
 	return err;
 }
 
@@ -63,10 +74,9 @@ static int make_materials(struct near_mesh *mesh)
 	struct materials_block block = { 0 };
 	for (uint32_t i = 0; i < mesh->pkg->material_count && i < 256; i++) {
 		const struct pkg_material *material = &mesh->pkg->materials[i];
-		block.row[i] = (struct material_row){
-			.mean = { material->mean_rgb[0], material->mean_rgb[1], material->mean_rgb[2], material->gloss / 255.0f },
-			.kind = { material->kind, material->layer, 0.0f, 0.0f },
-		};
+		block.row[i][0] = material->kind;
+		block.row[i][1] = material->layer;
+		block.row[i][2] = material->gloss / 255.0f;
 	}
 	struct gfx_buffer_desc desc = { .kind = GFX_BUFFER_UNIFORM, .bytes = sizeof(block), .data = &block };
 	return gfx_buffer_create(mesh->gfx, &desc, &mesh->materials);
@@ -170,6 +180,22 @@ static int make_pools(struct near_mesh *mesh, struct arena *arena, uint64_t left
 	return err;
 }
 
+/* Room for one run per object and pass, and one per pass for chunks whose objects do not add up. */
+static int make_runs(struct near_mesh *mesh, struct arena *arena)
+{
+	uint32_t chunks = mesh->pkg->chunk_count, sum = 0;
+	mesh->first_run = ARENA_ARRAY(arena, uint32_t, chunks);
+	mesh->run_count = ARENA_ARRAY(arena, uint32_t, chunks);
+	if (!mesh->first_run || !mesh->run_count)
+		return -ENOMEM;
+	for (uint32_t i = 0; i < chunks; i++) {
+		mesh->first_run[i] = sum;
+		sum += (mesh->pkg->chunks[i].object_count + 1) * PKG_PASS_COUNT;
+	}
+	mesh->runs = ARENA_ARRAY(arena, struct mesh_run, sum);
+	return mesh->runs ? 0 : -ENOMEM;
+}
+
 int near_mesh_init(
 	struct near_mesh *mesh, struct arena *arena, struct gfx *gfx, const struct pkg *pkg, uint64_t budget_bytes)
 {
@@ -181,6 +207,8 @@ int near_mesh_init(
 		err = make_textures(mesh);
 	if (!err)
 		err = make_light_map(mesh);
+	if (!err)
+		err = make_runs(mesh, arena);
 	if (err)
 		return err;
 	uint64_t used = gfx_stats(gfx)->bytes;
@@ -196,11 +224,13 @@ void near_mesh_finish(struct near_mesh *mesh)
 {
 	if (!mesh->gfx)
 		return;
-	for (int pass = 0; pass < PKG_PASS_COUNT; pass++)
-		for (int dissolved = 0; dissolved < 2; dissolved++)
-			gfx_pipeline_destroy(mesh->gfx, mesh->pipelines[pass][dissolved]);
-	gfx_program_destroy(mesh->gfx, mesh->solid);
-	gfx_program_destroy(mesh->gfx, mesh->dissolved);
+	for (int look = 0; look < LOOK_COUNT; look++) {
+		for (int dissolved = 0; dissolved < 2; dissolved++) {
+			for (int pass = 0; pass < PKG_PASS_COUNT; pass++)
+				gfx_pipeline_destroy(mesh->gfx, mesh->pipelines[look][pass][dissolved]);
+			gfx_program_destroy(mesh->gfx, mesh->programs[look][dissolved]);
+		}
+	}
 	gfx_texture_destroy(mesh->gfx, mesh->light_map);
 	gfx_texture_destroy(mesh->gfx, mesh->textures);
 	gfx_buffer_destroy(mesh->gfx, mesh->materials);
@@ -209,11 +239,74 @@ void near_mesh_finish(struct near_mesh *mesh)
 	*mesh = (struct near_mesh){ 0 };
 }
 
+static enum city_look look_of(uint32_t kinds)
+{
+	const uint32_t walls = 1u << PKG_MATERIAL_WALL | 1u << PKG_MATERIAL_SHOP, water = 1u << PKG_MATERIAL_WATER;
+	const uint32_t ground = 1u << PKG_MATERIAL_GROUND | 1u << PKG_MATERIAL_MARKING | 1u << PKG_MATERIAL_LAMP;
+	int families = ((kinds & walls) != 0) + ((kinds & ground) != 0) + ((kinds & water) != 0);
+	if (families > 1)
+		return LOOK_ALL;
+	return kinds & walls ? LOOK_WALLS : kinds & ground ? LOOK_GROUND : kinds & water ? LOOK_WATER : LOOK_PLAIN;
+}
+
+static enum city_look look_of_range(const struct near_mesh *mesh, uint32_t id, uint32_t first, uint32_t count)
+{
+	const struct pkg_chunk *chunk = &mesh->pkg->chunks[id];
+	const struct pkg_mesh_vertex *vertices = pkg_chunk_vertices(mesh->pkg, chunk);
+	const uint16_t *indices = pkg_chunk_indices(mesh->pkg, chunk) + first;
+	uint32_t kinds = 0;
+	for (uint32_t i = 0; i < count; i++)
+		kinds |= 1u << mesh->pkg->materials[vertices[indices[i]].material].kind;
+	return look_of(kinds);
+}
+
+static void add_run(struct near_mesh *mesh, uint32_t id, const struct mesh_run *run)
+{
+	struct mesh_run *runs = mesh->runs + mesh->first_run[id];
+	uint32_t *count = &mesh->run_count[id];
+	struct mesh_run *last = *count ? &runs[*count - 1] : NULL;
+	if (!run->count)
+		return;
+	if (last && last->look == run->look && last->pass == run->pass && last->first + last->count == run->first)
+		last->count += run->count;
+	else
+		runs[(*count)++] = *run;
+}
+
+/* Objects of a chunk follow one another in each pass; neighbours that are shaded alike become one run. */
+static void find_runs(struct near_mesh *mesh, uint32_t id)
+{
+	const struct pkg_chunk *chunk = &mesh->pkg->chunks[id];
+	uint32_t first = 0;
+	mesh->run_count[id] = 0;
+	for (int pass = 0; pass < PKG_PASS_COUNT; pass++) {
+		uint32_t before = mesh->run_count[id], at = first, end = first + chunk->index_count[pass];
+		for (uint32_t i = 0; i < chunk->object_count; i++) {
+			const struct pkg_object *object = &mesh->pkg->objects[chunk->first_object + i];
+			struct mesh_run run = {
+				.first = object->first_index[pass], .count = object->index_count[pass], .pass = (uint8_t)pass
+			};
+			if (!run.count || run.first != at)
+				continue;
+			run.look = (uint8_t)look_of_range(mesh, id, run.first, run.count);
+			add_run(mesh, id, &run);
+			at += run.count;
+		}
+		if (at != end) { /* triangles of no object: one run for all */
+			mesh->run_count[id] = before;
+			struct mesh_run all = { .first = first, .count = end - first, .look = LOOK_ALL, .pass = (uint8_t)pass };
+			add_run(mesh, id, &all);
+		}
+		first = end;
+	}
+}
+
 static void upload(void *context, uint32_t id, const struct residency_chunk *place)
 {
 	struct near_mesh *mesh = context;
 	const struct pkg_chunk *chunk = &mesh->pkg->chunks[id];
 	const uint32_t vertex_bytes = sizeof(struct pkg_mesh_vertex);
+	find_runs(mesh, id);
 	gfx_buffer_write(mesh->gfx, mesh->vertices, place->first_vertex * vertex_bytes,
 		pkg_chunk_vertices(mesh->pkg, chunk), chunk->vertex_count * vertex_bytes);
 	gfx_buffer_write(
@@ -234,10 +327,12 @@ void near_mesh_emit(
 	const struct near_mesh *mesh, struct draw_list *list, uint32_t chunk, enum view_slice_id slice, float depth_m)
 {
 	struct draw_item item = { .chunk = chunk, .slice = (uint8_t)slice, .opacity = 255 };
-	for (int pass = 0; pass < PKG_PASS_COUNT; pass++) {
-		item.pass = (uint8_t)pass;
-		item.count = mesh->pkg->chunks[chunk].index_count[pass];
+	const struct mesh_run *runs = mesh->runs + mesh->first_run[chunk];
+	for (uint32_t i = 0; i < mesh->run_count[chunk]; i++) {
+		item.pass = runs[i].pass;
+		item.look = runs[i].look;
+		item.first = runs[i].first;
+		item.count = runs[i].count;
 		draw_list_add(list, &item, depth_m);
-		item.first += item.count;
 	}
 }

@@ -11,6 +11,23 @@
 #include "render/gfx.h"
 #include "render/view.h"
 
+/* What a run of triangles contains decides how it is shaded: the variants of city.vert and city.frag. */
+enum city_look {
+	LOOK_PLAIN,  /* roofs, foliage, solids */
+	LOOK_WALLS,  /* and walls and shops */
+	LOOK_GROUND, /* and ground, markings, lamps */
+	LOOK_WATER,  /* and water */
+	LOOK_ALL,
+	LOOK_COUNT,
+};
+
+/* A run of objects of one chunk that are drawn alike. */
+struct mesh_run {
+	uint32_t first, count; /* indices, from the chunk's first */
+	uint8_t look;          /* enum city_look */
+	uint8_t pass;          /* enum pkg_pass */
+};
+
 struct near_mesh {
 	struct gfx *gfx;
 	const struct pkg *pkg;
@@ -18,8 +35,10 @@ struct near_mesh {
 	gfx_buffer vertices, indices;
 	gfx_buffer materials;
 	gfx_texture textures, light_map;
-	gfx_program solid, dissolved;
-	gfx_pipeline pipelines[PKG_PASS_COUNT][2]; /* [pass][dissolved] */
+	gfx_program programs[LOOK_COUNT][2];                   /* [look][dissolved] */
+	gfx_pipeline pipelines[LOOK_COUNT][PKG_PASS_COUNT][2]; /* [look][pass][dissolved] */
+	struct mesh_run *runs;                                 /* those of chunk i from first_run[i] on */
+	uint32_t *first_run, *run_count;
 };
 
 /* Makes all GL objects; the pools take what the city needs, or what is left of `budget_bytes`. Returns 0, -ENOMEM or

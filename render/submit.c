@@ -61,7 +61,7 @@ void submit(struct gfx *gfx, const struct near_mesh *mesh, const struct view *vi
 		const struct residency_chunk *place = &mesh->residency.chunks[item->chunk];
 		set_origin(&constants, view, &mesh->pkg->chunks[item->chunk]);
 		constants.opacity = item->opacity * (1.0f / 255.0f);
-		draw.pipeline = mesh->pipelines[item->pass][item->opacity < 255];
+		draw.pipeline = mesh->pipelines[item->look][item->pass][item->opacity < 255];
 		draw.vertex_offset = place->first_vertex * (uint32_t)sizeof(struct pkg_mesh_vertex);
 		draw.first = place->first_index + item->first;
 		draw.count = item->count;

@@ -66,11 +66,11 @@ static const struct palette day = {
 	.zenith = { 0.17f, 0.33f, 0.60f },
 };
 static const struct palette dusk = {
-	.sun = { 0.62f, 0.30f, 0.13f },
-	.sky = { 0.20f, 0.22f, 0.32f },
-	.ground = { 0.11f, 0.09f, 0.09f },
-	.haze = { 0.46f, 0.31f, 0.26f },
-	.zenith = { 0.060f, 0.095f, 0.21f },
+	.sun = { 0.60f, 0.31f, 0.15f },
+	.sky = { 0.225f, 0.228f, 0.285f },
+	.ground = { 0.115f, 0.10f, 0.10f },
+	.haze = { 0.47f, 0.35f, 0.29f },
+	.zenith = { 0.070f, 0.110f, 0.205f },
 };
 static const struct palette night = {
 	.sun = { 0.030f, 0.037f, 0.056f },

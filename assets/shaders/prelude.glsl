@@ -51,13 +51,11 @@ vec3 sky_in(vec3 direction)
 	return mix(low, zenith.rgb, 1.0 - exp2(-4.2 * up));
 }
 
-// What air does to a colour seen from `from_eye` metres away: one haze for near and far. It is thinner higher up.
-vec3 hazed(vec3 color, highp vec3 from_eye)
+// What air does to a colour seen from `from_eye`, `d` metres away: one haze for near and far. It is thinner higher up.
+vec3 hazed(vec3 color, highp vec3 from_eye, highp float d)
 {
-	highp float d = length(from_eye);
-	float height = max(from_eye.z * 0.5, 0.0);
-	float clear = exp2(-haze.w * d * exp2(-height * 0.004));
-	vec3 low = haze.rgb * (1.0 + 0.35 * max(dot(from_eye.xy, sun_direction.xy) / max(d, 1.0), 0.0) * (1.0 - sun_direction.w));
-	return mix(low, color, clear);
+	float clear = exp2(-haze.w * d / (1.0 + max(from_eye.z, 0.0) * 0.002));
+	float towards_sun = max(dot(from_eye.xy, sun_direction.xy) / max(d, 1.0), 0.0) * (1.0 - sun_direction.w);
+	return mix(haze.rgb * (1.0 + 0.35 * towards_sun), color, clear);
 }
 #endif

@@ -4,11 +4,14 @@ dir=$2/assets/shaders
 command -v glslangValidator >/dev/null || { echo "skipped: no glslangValidator"; exit 77; }
 tmp=$(mktemp -d) && trap 'rm -rf "$tmp"' EXIT
 bad=0
-for file in "$dir"/*.vert "$dir"/*.frag; do
+check() # FILE DEFINES
+{
+	file=$1
 	stage=${file##*.}
 	[ "$stage" = vert ] && word=VERTEX || word=FRAGMENT
 	{
 		printf '#version 300 es\n#define %s 1\n' $word
+		printf "$2"
 		cat "$dir/prelude.glsl"
 		printf '#line 1\n'
 		cat "$file"
@@ -18,5 +21,17 @@ for file in "$dir"/*.vert "$dir"/*.frag; do
 		cat "$tmp/log"
 		bad=1
 	fi
+}
+for file in "$dir"/*.vert "$dir"/*.frag; do
+	check "$file" ""
+done
+for look in HAS_WALL HAS_GROUND HAS_WATER; do
+	for file in "$dir"/city.*; do
+		check "$file" "#define $look 1\n"
+		check "$file" "#define $look 1\n#define FADE 1\n"
+	done
+done
+for file in "$dir"/city.*; do
+	check "$file" "#define HAS_WALL 1\n#define HAS_GROUND 1\n#define HAS_WATER 1\n#define FADE 1\n"
 done
 exit $bad

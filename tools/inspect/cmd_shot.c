@@ -198,15 +198,17 @@ static void time_frames(const struct shot *shot, const struct pkg *pkg, struct r
 	int64_t *ns = calloc((size_t)shot->repeat, sizeof(*ns));
 	if (!ns)
 		return;
+	int64_t cpu_ns = clock_cpu_ns();
 	for (int i = 0; i < shot->repeat; i++) {
 		int64_t start = clock_now_ns();
 		draw(shot, pkg, renderer);
 		renderer_read_pixels(renderer, pixels);
 		ns[i] = clock_now_ns() - start;
 	}
+	cpu_ns = (clock_cpu_ns() - cpu_ns) / shot->repeat;
 	qsort(ns, (size_t)shot->repeat, sizeof(*ns), by_value);
-	printf("frame median %.2f ms, fastest %.2f ms, of %d\n", (double)ns[shot->repeat / 2] * 1e-6, (double)ns[0] * 1e-6,
-		shot->repeat);
+	printf("frame median %.2f ms, fastest %.2f ms, CPU %.2f ms, of %d\n", (double)ns[shot->repeat / 2] * 1e-6,
+		(double)ns[0] * 1e-6, (double)cpu_ns * 1e-6, shot->repeat);
 	free(ns);
 }
 
