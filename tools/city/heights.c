@@ -84,6 +84,8 @@ static void infer_kind(struct building *building, const struct site *site)
 		building->kind = BUILDING_HOUSE;
 	else if (site->attached && site->area_m2 < 130.0 && site->density < 0.2 && top < 11.0)
 		building->kind = BUILDING_HOUSE; /* terraces */
+	else if (site->area_m2 < 240.0 && top > 0.0 && top < 12.5)
+		building->kind = BUILDING_HOUSE; /* rows of town houses, known to be low */
 	else if (!site->attached && site->area_m2 > 2500.0 && top < 12.0 && site->density < 0.4)
 		building->kind = BUILDING_INDUSTRIAL;
 	else

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tools/read/osm_kind.h"
 #include "tools/read/osm_reader.h"
 
 #define LANES_LIMIT 12
@@ -71,6 +72,11 @@ static const struct tag_word railway_words[] = {
 	{ "tram", WAY_TRAM },
 	{ NULL, 0 },
 };
+
+bool osm_is_highway(const char *value)
+{
+	return tag_word_find(highway_words, value, -1) >= 0;
+}
 
 /* Class with LINK, or -1: nothing that is drawn. */
 static int class_of(const struct osm_tags *tags)

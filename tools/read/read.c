@@ -194,6 +194,7 @@ static void drop_outside(struct city *city, const struct bounds *bounds, size_t 
 struct sources {
 	struct osm_store osm;
 	struct building_set set;
+	contour_array contours;
 };
 
 static void make_features(struct city *city, struct sources *sources, const struct geo_bounds *bounds, bool clip)
@@ -255,7 +256,8 @@ static int read_sources(struct sources *sources, const struct read_options *opti
 {
 	int status = 0;
 	for (size_t i = 0; i < options->input_count && !status; i++)
-		status = osm_parse(&sources->osm, options->inputs[i]);
+		status = tiles_is_folder(options->inputs[i]) ? tiles_read(&sources->osm, &sources->contours, options->inputs[i])
+													 : osm_parse(&sources->osm, options->inputs[i]);
 	for (size_t i = 0; i < options->building_file_count && !status; i++)
 		status = building_set_read(&sources->set, options->building_files[i], options->height_field, report);
 	osm_store_sort(&sources->osm);
@@ -282,7 +284,7 @@ static int make_city(struct city *city, const struct read_options *options, stru
 	city->right_hand_traffic = traffic_side_right(city, &sources->osm);
 	set_extent(city);
 	osm_store_tally(&sources->osm);
-	return terrain_read(city, options->terrain_files, options->terrain_file_count);
+	return terrain_read(city, options->terrain_files, options->terrain_file_count, &sources->contours);
 }
 
 int read_city(struct city *city, const struct read_options *options)
@@ -295,8 +297,9 @@ int read_city(struct city *city, const struct read_options *options)
 	int status = read_sources(&sources, options, city->report);
 	if (!status)
 		status = make_city(city, options, &sources);
-	osm_store_finish(&sources.osm);
 	building_set_finish(&sources.set);
+	ARRAY_FINISH(&sources.contours);
+	osm_store_finish(&sources.osm);
 	if (!status)
 		count_results(city);
 	city->report->seconds[STEP_READ] += (double)(clock_now_ns() - start) * 1e-9;

@@ -355,30 +355,42 @@ static int fill_field(
 	for (size_t i = 0; i < count; i++)
 		field->source_step_m = fmax(field->source_step_m, windows[i].step_m);
 	smooth(field);
-	terrain_water(field, city);
-	terrain_streets(field, city);
-	store(city, field);
 	return 0;
 }
 
-int terrain_read(struct city *city, const char *const *files, size_t count)
+static int read_files(struct height_field *field, struct city *city, const char *const *files, size_t count)
 {
-	struct height_field field = { 0 };
 	int status = 0;
-	if (!count)
-		return 0;
 	struct window *windows = calloc(count, sizeof(*windows));
 	if (!windows)
 		return -ENOMEM;
 	gdal_start();
-	lay_out(&field, city);
 	for (size_t i = 0; i < count && status >= 0; i++)
-		status = window_open(&windows[i], files[i], city, &field);
+		status = window_open(&windows[i], files[i], city, field);
 	if (status >= 0)
-		status = fill_field(&field, city, files, windows, count);
+		status = fill_field(field, city, files, windows, count);
 	for (size_t i = 0; i < count; i++)
 		window_close(&windows[i]);
 	free(windows);
+	return status;
+}
+
+int terrain_read(struct city *city, const char *const *files, size_t count, const contour_array *contours)
+{
+	struct height_field field = { 0 };
+	int status = 0;
+	if (!count && !contours->count)
+		return 0;
+	lay_out(&field, city);
+	if (count)
+		status = read_files(&field, city, files, count);
+	else
+		terrain_contours(&field, city, contours);
+	if (!status) {
+		terrain_water(&field, city);
+		terrain_streets(&field, city);
+		store(city, &field);
+	}
 	array_free(field.height_m);
 	return status;
 }

@@ -6,6 +6,7 @@
 #define BLVD_TOOLS_READ_TERRAIN_H
 
 #include "tools/city/city.h"
+#include "tools/read/tiles.h"
 
 /* The grid while it is worked on: metres, row by row from the south. */
 struct height_field {
@@ -17,8 +18,12 @@ struct height_field {
 };
 
 /* Reads `files` (anything GDAL opens; .zip is looked into) for the city's extent and fills city->terrain. Several files
- * are taken in order, the first that has a place wins. Returns 0, -errno or -EBADMSG after logging one line. */
-int terrain_read(struct city *city, const char *const *files, size_t count);
+ * are taken in order, the first that has a place wins. Without files the ground is made from `contours`, and without
+ * these it stays flat. Returns 0, -errno or -EBADMSG after logging one line. */
+int terrain_read(struct city *city, const char *const *files, size_t count, const contour_array *contours);
+
+/* Fills the field from contours; there is at least one. */
+void terrain_contours(struct height_field *field, const struct city *city, const contour_array *contours);
 
 static inline struct dvec2 field_place(const struct height_field *field, size_t column, size_t row)
 {
