@@ -97,6 +97,7 @@ struct massing {
 	double door; /* z where ground floors begin, when the ground is flat enough for one of them */
 	bool sloping;
 	bool has_ground_floor;
+	double cornice;     /* height kept free for it below the eaves */
 	uint32_t door_wall; /* UINT32_MAX: none */
 	double area;
 	/* working memory, one set a thread */
@@ -130,11 +131,26 @@ void roof_flat(struct massing *massing, struct shell *shell);
 void roof_skillion(struct massing *massing, struct shell *shell);
 void roof_turret(struct massing *massing, struct shell *shell, struct dvec2 at, double z, double half_m);
 
+/* Takes overhangs off where eaves lines cannot meet; sets every wall's `eave`. */
+void eaves_fit(struct massing *massing);
+/* Front, underside, and caps where the eaves end; walls' `top` is where the underside meets them. */
+struct eaves {
+	double depth; /* of the front */
+	int front;    /* its material: one tile high */
+	const uint8_t *rgb;
+	bool lid; /* closed on top, level; else the roof comes down to the front's upper edge */
+};
+void eaves_draw(const struct massing *massing, const struct eaves *eaves, struct shell *shell);
+
 /* Triangles of the outline into massing->triangles, indices of walls' starts; falls back to the outer ring. */
 void massing_triangulate(struct massing *massing);
 
 void facade_build(struct massing *massing, struct shell *shell);
 void facade_underside(struct massing *massing, struct shell *shell);
+void facade_balconies(const struct massing *massing, const struct wall *wall, double first, double storey, int storeys,
+	struct shell *shell);
+void facade_awning(
+	const struct massing *massing, const struct wall *wall, double s0, double s1, double z, struct shell *shell);
 void facade_canopy(struct massing *massing, struct shell *shell);
 float wall_ao(const struct massing *massing, const struct wall *wall, double z);
 

@@ -26,8 +26,8 @@ static enum region region_of(const struct geo_point at)
 static const uint8_t plasters[][PALETTE][3] = {
 	[REGION_CENTRAL] = { { 236, 229, 214 }, { 226, 219, 204 }, { 233, 221, 194 }, { 219, 211, 200 }, { 240, 236, 228 },
 		{ 224, 206, 180 }, { 214, 212, 206 }, { 230, 212, 198 } },
-	[REGION_SOUTH] = { { 233, 207, 168 }, { 226, 190, 150 }, { 237, 218, 184 }, { 219, 178, 146 }, { 240, 228, 206 },
-		{ 228, 196, 172 }, { 222, 205, 176 }, { 212, 170, 138 } },
+	[REGION_SOUTH] = { { 232, 213, 182 }, { 224, 200, 170 }, { 236, 222, 196 }, { 216, 190, 166 }, { 238, 229, 212 },
+		{ 226, 204, 186 }, { 222, 208, 184 }, { 210, 184, 160 } },
 	[REGION_PARIS] = { { 232, 222, 200 }, { 226, 215, 193 }, { 238, 230, 212 }, { 220, 209, 188 }, { 230, 224, 208 },
 		{ 216, 206, 188 }, { 240, 234, 220 }, { 224, 212, 186 } },
 	[REGION_BRITAIN] = { { 232, 228, 218 }, { 238, 236, 230 }, { 222, 216, 204 }, { 212, 206, 196 }, { 230, 220, 200 },
@@ -37,8 +37,8 @@ static const uint8_t plasters[][PALETTE][3] = {
 };
 static const uint8_t timbers[PALETTE][3] = { { 232, 230, 224 }, { 206, 214, 216 }, { 226, 218, 196 }, { 196, 204, 196 },
 	{ 214, 200, 188 }, { 236, 226, 206 }, { 188, 198, 208 }, { 222, 206, 198 } };
-static const uint8_t bricks[PALETTE][3] = { { 178, 124, 100 }, { 166, 112, 92 }, { 190, 142, 112 }, { 172, 132, 108 },
-	{ 198, 170, 134 }, { 156, 108, 92 }, { 184, 136, 116 }, { 204, 180, 146 } };
+static const uint8_t bricks[PALETTE][3] = { { 184, 146, 126 }, { 174, 134, 118 }, { 194, 160, 136 }, { 178, 146, 126 },
+	{ 202, 180, 150 }, { 166, 130, 116 }, { 188, 152, 136 }, { 206, 188, 160 } };
 static const uint8_t stones[PALETTE][3] = { { 222, 212, 192 }, { 214, 206, 190 }, { 228, 220, 204 }, { 206, 198, 182 },
 	{ 218, 210, 198 }, { 226, 214, 188 }, { 210, 206, 198 }, { 200, 192, 178 } };
 static const uint8_t concretes[PALETTE][3] = { { 208, 206, 200 }, { 216, 214, 210 }, { 200, 198, 192 },
@@ -46,8 +46,8 @@ static const uint8_t concretes[PALETTE][3] = { { 208, 206, 200 }, { 216, 214, 21
 static const uint8_t metals[PALETTE][3] = { { 206, 210, 214 }, { 190, 198, 206 }, { 214, 214, 210 }, { 180, 190, 198 },
 	{ 200, 206, 200 }, { 218, 220, 222 }, { 196, 196, 192 }, { 186, 194, 190 } };
 
-static const uint8_t clays[6][3] = { { 178, 112, 84 }, { 168, 104, 80 }, { 188, 126, 96 }, { 160, 104, 84 },
-	{ 176, 122, 98 }, { 150, 98, 80 } };
+static const uint8_t clays[6][3] = { { 180, 140, 120 }, { 170, 132, 116 }, { 188, 150, 128 }, { 164, 130, 116 },
+	{ 178, 146, 126 }, { 158, 128, 114 } };
 static const uint8_t slates[4][3] = { { 112, 118, 126 }, { 122, 126, 132 }, { 104, 108, 116 }, { 130, 132, 136 } };
 static const uint8_t zincs[4][3] = { { 148, 156, 164 }, { 158, 164, 170 }, { 138, 146, 156 }, { 164, 168, 172 } };
 
@@ -459,7 +459,7 @@ static const uint8_t fronts[] = { MATERIAL_SHOP_CLASSIC, MATERIAL_SHOP_GLASS, MA
 static bool has_shop(const struct massing *m, struct pick *pick)
 {
 	enum building_kind kind = m->building->kind;
-	bool luck = pick_chance(pick, 40);
+	bool luck = pick_chance(pick, 45);
 	if (!m->has_ground_floor || kind == BUILDING_HOUSE || kind == BUILDING_CIVIC || kind >= BUILDING_CHURCH ||
 		kind == BUILDING_INDUSTRIAL)
 		return false;

@@ -9,7 +9,6 @@
 #include "platform/base/rng.h"
 
 #define BLANK_TILE_M 3.0
-#define CORNICE_M 0.55
 #define FRONT_BAY_M 3.9
 
 struct strip {
@@ -79,8 +78,7 @@ static struct storeys divide(const struct massing *m, const struct wall *w)
 {
 	const struct facade *f = &m->facade;
 	struct storeys out = { .door = m->sloping ? w->ground : m->door, .top = m->eaves };
-	double cornice = f->cornice && w->overhang <= 0.0 ? CORNICE_M : 0.0;
-	out.top -= cornice;
+	out.top -= m->cornice;
 	if (!m->has_ground_floor) {
 		out.door = out.first = m->base;
 		out.upper = whole((out.top - out.first) / f->storey_m);
@@ -133,6 +131,18 @@ static void draw_run(const struct massing *m, struct shell *shell, const struct 
 	draw_strip(m, shell, w, &strip);
 }
 
+/* Neighbouring shops differ; an arcade of stone does not. */
+static int front_of(const struct massing *m, uint64_t hash, int last)
+{
+	static const uint8_t fronts[8] = { MATERIAL_SHOP_CLASSIC, MATERIAL_SHOP_GLASS, MATERIAL_SHOP_AWNING,
+		MATERIAL_SHOP_CAFE, MATERIAL_SHOP_CLASSIC_BLUE, MATERIAL_SHOP_CLASSIC_RED, MATERIAL_SHOP_GLASS,
+		MATERIAL_SHOP_PALE };
+	if (m->facade.shop == MATERIAL_SHOP_STONE)
+		return MATERIAL_SHOP_STONE;
+	int out = fronts[hash & 7];
+	return out == last ? fronts[(hash + 1) & 7] : out;
+}
+
 static void draw_fronts(
 	const struct massing *m, struct shell *shell, const struct wall *w, const struct storeys *st, double low, bool door)
 {
@@ -147,15 +157,15 @@ static void draw_fronts(
 		left--;
 		bay = (w->length - s) / left;
 	}
-	for (int i = 0; left > 0; i++) {
+	for (int i = 0, last = 0; left > 0; i++) {
 		int width = left <= 3 ? left : 2 + (int)(hash >> 4 * i & 1);
-		static const uint8_t fronts[4] = { MATERIAL_SHOP_CLASSIC, MATERIAL_SHOP_GLASS, MATERIAL_SHOP_AWNING,
-			MATERIAL_SHOP_CAFE };
-		int material =
-			i == 0 || m->facade.shop == MATERIAL_SHOP_STONE ? m->facade.shop : fronts[hash >> (8 + 3 * i) & 3];
+		int material = front_of(m, hash >> (8 + 3 * i), last);
 		draw_run(m, shell, w, st, low, &(struct run){ material, width, s, s + bay * width });
+		if (material == MATERIAL_SHOP_AWNING || material == MATERIAL_SHOP_CAFE)
+			facade_awning(m, w, s + 0.1, s + bay * width - 0.1, st->door + (st->first - st->door) * 0.74, shell);
 		s += bay * width;
 		left -= width;
+		last = material;
 	}
 }
 
@@ -244,8 +254,10 @@ static void draw_free_wall(const struct massing *m, struct shell *shell, const s
 		draw_ground_floor(m, shell, w, &st, from);
 		from = st.first;
 	}
-	if (st.upper > 0)
+	if (st.upper > 0) {
 		draw_upper(m, shell, w, &st, from, end);
+		facade_balconies(m, w, st.first, (st.top - st.first) / st.upper, st.upper, shell);
+	}
 	if (w->top > end + 0.01)
 		draw_cornice(m, shell, w, end, w->top);
 }

@@ -104,11 +104,15 @@ enum material_id {
 	MATERIAL_SHOP_GLASS,
 	MATERIAL_SHOP_AWNING,
 	MATERIAL_SHOP_CAFE,
+	MATERIAL_SHOP_CLASSIC_BLUE,
+	MATERIAL_SHOP_CLASSIC_RED,
+	MATERIAL_SHOP_PALE,
 	MATERIAL_SHOP_STONE,
 	/* trim */
 	MATERIAL_CORNICE, /* one tile high is the whole cornice */
 	MATERIAL_TRIM,    /* eaves, gutters, copings */
 	MATERIAL_DORMER,
+	MATERIAL_AWNING, /* cloth in stripes; v 0 to 0.2 is what hangs down in front */
 	MATERIAL_WALL_END,
 	MATERIAL_LIMIT = 256,
 };

@@ -20,7 +20,7 @@ static void paint_tiles(struct canvas *c)
 		canvas_shadow(c, box_of(0.0f, y, SIDE, y + step), 0.24f);
 		canvas_shade(c, box_of(0.0f, y, SIDE, y + step * 0.14f), 1.08f);
 	}
-	canvas_grain(c, 4, 0.10f, 42);
+	canvas_grain(c, 4, 0.05f, 42);
 }
 
 static void paint_slate(struct canvas *c)
@@ -30,7 +30,7 @@ static void paint_slate(struct canvas *c)
 		float step = SIDE / 16.0f, y = step * (float)i;
 		canvas_shadow(c, box_of(0.0f, y, SIDE, y + step), 0.12f);
 	}
-	canvas_grain(c, 5, 0.07f, 44);
+	canvas_grain(c, 5, 0.03f, 44);
 }
 
 static void paint_seams(struct canvas *c, uint32_t seed, float stain)
@@ -56,12 +56,13 @@ static void paint_copper(struct canvas *c)
 static void paint_gravel_roof(struct canvas *c)
 {
 	canvas_grain(c, 24, 0.16f, 47);
-	canvas_grain(c, 3, 0.06f, 48);
+	canvas_grain(c, 3, 0.02f, 48);
 }
 
 static void paint_concrete_roof(struct canvas *c)
 {
-	canvas_grain(c, 4, 0.08f, 49);
+	canvas_grain(c, 4, 0.03f, 49);
+	canvas_grain(c, 24, 0.05f, 50);
 	for (int i = 0; i < 2; i++) {
 		float at = SIDE * 0.5f * (float)i;
 		canvas_shade(c, box_of(at, 0.0f, at + 0.03f, SIDE), 0.86f);

@@ -454,7 +454,7 @@ static void paint_front(struct canvas *c, const struct front_look *look)
 		bool door = look->door && i == look->panes - 1;
 		struct box pane = { front.x0 + width * (float)i + 0.06f, door ? 0.1f : look->riser_m,
 			front.x0 + width * (float)(i + 1) - 0.06f, look->glass_top_m };
-		canvas_gradient(c, pane, tone_of(0.40f, 0.42f, 0.43f), tone_of(0.50f, 0.56f, 0.61f), 1.0f);
+		canvas_gradient(c, pane, tone_of(0.46f, 0.48f, 0.48f), tone_of(0.55f, 0.60f, 0.65f), 1.0f);
 		if (door)
 			canvas_rect(c, box_of(pane.x0, 2.12f, pane.x1, 2.2f), look->frame, 1.0f, 0.0f);
 		else
@@ -479,13 +479,28 @@ static void paint_lettering(struct canvas *c, float y, float height_m, struct to
 	}
 }
 
-static void paint_shop_classic(struct canvas *c)
+static void paint_classic(struct canvas *c, struct tone wood, struct tone name)
 {
 	paint_face(c, FACE_PLASTER, canvas_box(c));
-	struct tone wood = { 0.31f, 0.37f, 0.36f };
-	struct front_look look = { wood, tone_scale(wood, 0.9f), { 0.66f, 0.58f, 0.48f }, 0.55f, 2.55f, 3.15f, 3, true };
+	struct front_look look = { wood, tone_scale(wood, 0.9f), { 0.70f, 0.62f, 0.52f }, 0.55f, 2.55f, 3.15f, 3, true };
 	paint_front(c, &look);
-	paint_lettering(c, 2.75f, 0.24f, tone_of(0.88f, 0.84f, 0.72f));
+	paint_lettering(c, 2.75f, 0.24f, name);
+}
+static void paint_shop_classic(struct canvas *c)
+{
+	paint_classic(c, tone_of(0.37f, 0.44f, 0.41f), tone_of(0.88f, 0.84f, 0.72f));
+}
+static void paint_shop_blue(struct canvas *c)
+{
+	paint_classic(c, tone_of(0.36f, 0.42f, 0.50f), tone_of(0.90f, 0.90f, 0.88f));
+}
+static void paint_shop_red(struct canvas *c)
+{
+	paint_classic(c, tone_of(0.52f, 0.36f, 0.34f), tone_of(0.93f, 0.88f, 0.76f));
+}
+static void paint_shop_pale(struct canvas *c)
+{
+	paint_classic(c, tone_of(0.84f, 0.82f, 0.76f), tone_of(0.38f, 0.36f, 0.34f));
 }
 static void paint_shop_glass(struct canvas *c)
 {
@@ -501,14 +516,7 @@ static void paint_shop_awning(struct canvas *c)
 	struct front_look look = { white_frame, { 0.80f, 0.79f, 0.76f }, { 0.60f, 0.62f, 0.52f }, 0.5f, 2.5f, 3.2f, 2,
 		true };
 	paint_front(c, &look);
-	int stripes = 10;
-	for (int i = 0; i < stripes; i++) {
-		float step = (c->width_m - 0.2f) / (float)stripes, x = 0.1f + step * (float)i;
-		struct tone cloth = i % 2 ? tone_of(0.93f, 0.91f, 0.86f) : tone_of(0.62f, 0.42f, 0.38f);
-		canvas_gradient(c, box_of(x, 2.15f, x + step, 2.95f), tone_scale(cloth, 0.86f), cloth, 0.0f);
-		canvas_rect(c, box_of(x, 2.02f, x + step, 2.15f), tone_scale(cloth, 0.78f), 1.0f, 0.0f);
-	}
-	canvas_shadow(c, box_of(0.14f, 1.5f, c->width_m - 0.14f, 2.02f), 0.45f);
+	paint_lettering(c, 2.75f, 0.2f, tone_of(0.45f, 0.42f, 0.40f));
 }
 static void paint_shop_cafe(struct canvas *c)
 {
@@ -517,10 +525,6 @@ static void paint_shop_cafe(struct canvas *c)
 	struct front_look look = { wood, { 0.36f, 0.28f, 0.24f }, { 0.70f, 0.62f, 0.50f }, 0.8f, 2.5f, 3.1f, 3, true };
 	paint_front(c, &look);
 	paint_lettering(c, 2.7f, 0.24f, tone_of(0.92f, 0.86f, 0.74f));
-	struct tone cloth = { 0.36f, 0.46f, 0.42f };
-	canvas_gradient(c, box_of(0.1f, 2.1f, c->width_m - 0.1f, 2.55f), tone_scale(cloth, 0.85f), cloth, 0.0f);
-	canvas_rect(c, box_of(0.1f, 1.98f, c->width_m - 0.1f, 2.1f), tone_scale(cloth, 0.75f), 1.0f, 0.0f);
-	canvas_shadow(c, box_of(0.14f, 1.5f, c->width_m - 0.14f, 1.98f), 0.4f);
 }
 static void paint_shop_stone(struct canvas *c)
 {
@@ -567,6 +571,18 @@ static void paint_dormer(struct canvas *c)
 	paint_window(c, box_of(0.16f, 0.12f, c->width_m - 0.16f, c->height_m - 0.18f), &window);
 }
 
+/* Every second stripe keeps white; the others take the cloth's colour. */
+static void paint_awning(struct canvas *c)
+{
+	for (int i = 0; i < 6; i++) {
+		float step = c->width_m / 6.0f, x = step * (float)i, light = i % 2 ? 1.0f : 0.80f;
+		canvas_gradient(
+			c, box_of(x, c->height_m * 0.2f, x + step, c->height_m), tone_grey(0.90f * light), tone_grey(light), 0.0f);
+		canvas_rect(c, box_of(x, 0.0f, x + step, c->height_m * 0.2f), tone_grey(0.86f * light), 1.0f, 0.0f);
+	}
+	canvas_shade(c, box_of(0.0f, c->height_m * 0.19f, c->width_m, c->height_m * 0.21f), 0.85f);
+}
+
 struct wall_painting {
 	int material;
 	float bay_m, storey_m;
@@ -605,10 +621,14 @@ static const struct wall_painting paintings[] = {
 	{ MATERIAL_SHOP_GLASS, 4.0f, 4.0f, paint_shop_glass },
 	{ MATERIAL_SHOP_AWNING, 4.0f, 4.0f, paint_shop_awning },
 	{ MATERIAL_SHOP_CAFE, 4.0f, 4.0f, paint_shop_cafe },
+	{ MATERIAL_SHOP_CLASSIC_BLUE, 4.0f, 4.0f, paint_shop_blue },
+	{ MATERIAL_SHOP_CLASSIC_RED, 4.0f, 4.0f, paint_shop_red },
+	{ MATERIAL_SHOP_PALE, 4.0f, 4.0f, paint_shop_pale },
 	{ MATERIAL_SHOP_STONE, 3.6f, 4.0f, paint_shop_stone },
 	{ MATERIAL_CORNICE, 3.0f, 1.0f, paint_cornice },
 	{ MATERIAL_TRIM, 2.0f, 2.0f, paint_trim },
 	{ MATERIAL_DORMER, 1.4f, 1.6f, paint_dormer },
+	{ MATERIAL_AWNING, 2.0f, 1.2f, paint_awning },
 };
 
 static bool glassy(int material)

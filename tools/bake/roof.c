@@ -4,6 +4,8 @@
 #include <math.h>
 
 #define PARAPET_M 0.7
+#define CORNICE_M 0.55
+#define CORNICE_OUT_M 0.34
 
 static struct shell_point deck_point(const struct massing *m, struct dvec2 at, double z, float ao)
 {
@@ -101,12 +103,29 @@ static void draw_parapet(const struct massing *m, struct shell *shell, double de
 	}
 }
 
+/* A cornice sticks out where nothing stands in its way; elsewhere it is only painted. */
+static void lay_cornice(struct massing *m)
+{
+	bool high = m->facade.cornice && m->top - fmax(m->base, m->ground) > 6.0;
+	m->cornice = high ? CORNICE_M : 0.0;
+	for (size_t i = 0; i < m->walls.count; i++) {
+		struct wall *w = &m->walls.items[i];
+		bool clear = !w->party && w->hidden_count == 0 && !(w->facing_m < 1.6);
+		w->overhang = high && clear ? CORNICE_OUT_M : 0.0;
+	}
+	eaves_fit(m);
+	for (size_t i = 0; i < m->walls.count; i++) {
+		struct wall *w = &m->walls.items[i];
+		w->top = w->overhang > 0.0 ? m->top - CORNICE_M : m->top;
+		w->eave_z = m->top;
+	}
+}
+
 void roof_flat(struct massing *m, struct shell *shell)
 {
 	double deck = m->facade.parapet ? m->top - PARAPET_M : m->top;
 	m->eaves = m->top;
-	for (size_t i = 0; i < m->walls.count; i++)
-		m->walls.items[i].top = m->top;
+	lay_cornice(m);
 	massing_triangulate(m);
 	int roofing = m->facade.roofing;
 	/* Tiles and slates do not lie flat. */
@@ -118,6 +137,7 @@ void roof_flat(struct massing *m, struct shell *shell)
 		shell_brush(shell, MATERIAL_BLANK_PLASTER, m->facade.wall_rgb);
 		draw_parapet(m, shell, deck);
 	}
+	eaves_draw(m, &(struct eaves){ CORNICE_M, MATERIAL_CORNICE, m->facade.wall_rgb, true }, shell);
 	rooftop_box(m, shell, deck);
 }
 
@@ -215,6 +235,9 @@ static bool try_roof(struct massing *m, struct shell *shell)
 
 void roof_build(struct massing *m, struct shell *shell)
 {
+	m->cornice = 0.0;
+	for (size_t i = 0; i < m->walls.count; i++)
+		m->walls.items[i].overhang = 0.0;
 	bool flat = m->plot->roof == ROOF_FLAT || m->plot->roof == ROOF_UNKNOWN || m->top - m->eaves < 0.3;
 	if (!flat && try_roof(m, shell))
 		return;

@@ -48,6 +48,7 @@ struct roof_point {
 	struct dvec2 at;
 	double t;
 	size_t wall; /* at whose start it is, or NONE */
+	bool inset;  /* on the wall, not on the eaves line */
 };
 #define NONE ((size_t)-1)
 
@@ -288,144 +289,55 @@ static void set_overhangs(struct roof *roof, double slope)
 	}
 }
 
-/* Where two eaves lines meet, each its overhang away from the wall. */
-static struct dvec2 mitre(const struct wall *before, const struct wall *after)
-{
-	double det = dvec2_cross(before->out, after->out);
-	if (fabs(det) < 0.08)
-		return dvec2_add(after->a, dvec2_scale(after->out, fmin(before->overhang, after->overhang)));
-	struct dvec2 d = { (before->overhang * after->out.y - after->overhang * before->out.y) / det,
-		(after->overhang * before->out.x - before->overhang * after->out.x) / det };
-	return dvec2_add(after->a, d);
-}
-
-static void clear_overhang(struct roof *roof, size_t corner)
-{
-	const struct corner *c = &roof->corners.items[corner];
-	for (size_t k = 0; k < c->walls; k++)
-		roof->m->walls.items[wall_of(roof, c, k)].overhang = 0.0;
-}
-
-static struct wall *last_wall(const struct roof *roof, size_t corner)
-{
-	const struct corner *c = &roof->corners.items[corner];
-	return &roof->m->walls.items[wall_of(roof, c, c->walls - 1)];
-}
-
-/* Takes the overhang off where an eaves line would turn round or run far out at a sharp corner. */
-static bool eaves_hold(struct roof *roof)
-{
-	bool good = true;
-	for (size_t i = 0; i < roof->corners.count; i++) {
-		struct corner *c = &roof->corners.items[i];
-		struct wall *w = &roof->m->walls.items[c->wall], *before = last_wall(roof, prev_corner(roof, i));
-		if (w->overhang <= 0.0 && before->overhang <= 0.0)
-			continue;
-		double det = dvec2_cross(before->out, w->out);
-		double reach = dvec2_length(dvec2_sub(mitre(before, w), w->a));
-		bool straight = fabs(det) < 0.08 && fabs(before->overhang - w->overhang) > 0.0;
-		if (reach > 1.2 || straight) {
-			clear_overhang(roof, i);
-			clear_overhang(roof, prev_corner(roof, i));
-			good = false;
-		}
-	}
-	for (size_t i = 0; i < roof->corners.count && good; i++) {
-		size_t next = next_corner(roof, i);
-		struct wall *w = &roof->m->walls.items[roof->corners.items[i].wall];
-		struct dvec2 a = mitre(last_wall(roof, prev_corner(roof, i)), w);
-		struct dvec2 b = mitre(last_wall(roof, i), &roof->m->walls.items[roof->corners.items[next].wall]);
-		if (dvec2_dot(dvec2_sub(b, a), w->along) < 0.2 * roof->corners.items[i].length) {
-			clear_overhang(roof, i);
-			clear_overhang(roof, next);
-			clear_overhang(roof, prev_corner(roof, i));
-			good = false;
-		}
-	}
-	return good;
-}
-
 static void lay_eaves(struct roof *roof)
 {
 	struct massing *m = roof->m;
 	double slope = first_slope(&roof->profile);
 	set_overhangs(roof, slope);
-	for (size_t i = 0; i < roof->corners.count && !eaves_hold(roof); i++)
-		;
+	eaves_fit(m);
 	roof->level_eaves = slope >= 1.3;
 	double fall = roof->level_eaves ? 0.0 : slope;
 	for (size_t r = 0; r + 1 < m->ring_first.count; r++)
 		for (size_t i = m->ring_first.items[r]; i < m->ring_first.items[r + 1]; i++) {
 			struct wall *w = &m->walls.items[i];
 			const struct wall *before = &m->walls.items[massing_prev(m, r, i)];
-			w->eave = mitre(before, w);
 			w->eave_z = m->eaves - fmax(w->overhang, before->overhang) * fall;
 			w->top = w->overhang > 0.0 ? m->eaves - w->overhang * fall - GUTTER_M : m->eaves;
 		}
 }
 
-static struct shell_point point_at(struct dvec2 at, double z, double u, double v, double ao)
+static void add_spot(struct roof *roof, uint32_t node, bool inset)
 {
-	return (struct shell_point){ { at.x, at.y, z }, (float)(u / 2.0), (float)(v / 2.0), (float)ao };
+	struct skeleton_node at = roof->m->skeleton.nodes.items[node];
+	size_t wall = node < roof->corners.count ? roof->corners.items[node].wall : NONE;
+	ARRAY_PUSH(&roof->spots, (struct roof_point){ at.at, at.t, wall, inset });
 }
 
-/* Gutter, soffit, and a cap where the eaves end at a gable. */
-static void draw_eaves(struct roof *roof)
+/* The corners between a base's ends that the skeleton was spared. Without an overhang of its own the base stays on the
+ * wall, but for its ends, which lie on the eaves lines beside it. */
+static void outline_base(struct roof *roof, const struct skeleton_face *face, const uint32_t *nodes)
 {
-	struct massing *m = roof->m;
-	shell_brush(roof->shell, MATERIAL_TRIM, m->facade.trim_rgb);
-	for (size_t r = 0; r + 1 < m->ring_first.count; r++)
-		for (size_t i = m->ring_first.items[r]; i < m->ring_first.items[r + 1]; i++) {
-			const struct wall *w = &m->walls.items[i], *next = &m->walls.items[massing_next(m, r, i)],
-							  *before = &m->walls.items[massing_prev(m, r, i)];
-			if (w->overhang <= 0.0)
-				continue;
-			double low = w->top, high = w->top + GUTTER_M, l = w->length;
-			struct dvec2 a = w->eave, b = next->eave;
-			shell_face(roof->shell,
-				(struct shell_point[4]){ point_at(a, low, 0, 0, 0.9), point_at(b, low, l, 0, 0.9),
-					point_at(b, high, l, GUTTER_M, 1), point_at(a, high, 0, GUTTER_M, 1) },
-				4);
-			shell_face(roof->shell,
-				(struct shell_point[4]){ point_at(w->a, low, 0, 0, 0.5), point_at(w->b, low, l, 0, 0.5),
-					point_at(b, low, l, 0.5, 0.7), point_at(a, low, 0, 0.5, 0.7) },
-				4);
-			if (roof->level_eaves)
-				shell_face(roof->shell,
-					(struct shell_point[4]){ point_at(a, high, 0, 0, 1), point_at(b, high, l, 0, 1),
-						point_at(w->b, high, l, 0.5, 0.9), point_at(w->a, high, 0, 0.5, 0.9) },
-					4);
-			if (before->overhang <= 0.0)
-				shell_face(roof->shell,
-					(struct shell_point[4]){ point_at(w->a, low, 0, 0, 0.9), point_at(a, low, 0.5, 0, 0.9),
-						point_at(a, high, 0.5, 0.2, 1), point_at(w->a, m->eaves, 0, 0.5, 1) },
-					4);
-			if (next->overhang <= 0.0)
-				shell_face(roof->shell,
-					(struct shell_point[4]){ point_at(b, low, 0, 0, 0.9), point_at(w->b, low, 0.5, 0, 0.9),
-						point_at(w->b, m->eaves, 0.5, 0.5, 1), point_at(b, high, 0, 0.2, 1) },
-					4);
-		}
+	const struct corner *c = &roof->corners.items[face->edge];
+	bool inset = roof->m->walls.items[c->wall].overhang <= 0.0 && !face->upright && !roof->level_eaves;
+	if (inset)
+		add_spot(roof, nodes[0], true);
+	for (size_t k = 1; k < c->walls; k++) {
+		size_t wall = wall_of(roof, c, k);
+		ARRAY_PUSH(&roof->spots, (struct roof_point){ roof->m->walls.items[wall].a, 0.0, wall, inset });
+	}
+	if (inset)
+		add_spot(roof, nodes[1], true);
 }
 
-/* The polygon of one face: its base with the corners that the skeleton was spared, then the skeleton's nodes. */
+/* The polygon of one face: its base, then the skeleton's nodes. */
 static void outline_face(struct roof *roof, const struct skeleton_face *face)
 {
-	const struct skeleton *skeleton = &roof->m->skeleton;
-	const uint32_t *nodes = skeleton->face_nodes.items + face->first;
+	const uint32_t *nodes = roof->m->skeleton.face_nodes.items + face->first;
 	roof->spots.count = 0;
 	for (uint32_t i = 0; i < face->count; i++) {
-		struct skeleton_node node = skeleton->nodes.items[nodes[i]];
-		bool corner = nodes[i] < roof->corners.count;
-		ARRAY_PUSH(
-			&roof->spots, (struct roof_point){ node.at, node.t, corner ? roof->corners.items[nodes[i]].wall : NONE });
-		if (i > 0 || nodes[0] != face->edge)
-			continue;
-		const struct corner *c = &roof->corners.items[face->edge];
-		for (size_t k = 1; k < c->walls; k++) {
-			size_t wall = wall_of(roof, c, k);
-			ARRAY_PUSH(&roof->spots, (struct roof_point){ roof->m->walls.items[wall].a, 0.0, wall });
-		}
+		add_spot(roof, nodes[i], false);
+		if (i == 0 && nodes[0] == face->edge)
+			outline_base(roof, face, nodes);
 	}
 }
 
@@ -441,7 +353,7 @@ static struct shell_point place(const struct roof *roof, const struct face_frame
 	const struct massing *m = roof->m;
 	struct dvec2 at = spot->at;
 	double z = m->eaves + profile_z(&roof->profile, spot->t);
-	if (spot->wall != NONE && !frame->upright && !roof->level_eaves) {
+	if (spot->wall != NONE && !frame->upright && !roof->level_eaves && !spot->inset) {
 		at = m->walls.items[spot->wall].eave;
 		z = m->walls.items[spot->wall].eave_z;
 	}
@@ -458,7 +370,7 @@ static struct roof_point cut(const struct roof_point *a, const struct roof_point
 	const struct roof_point *p = swap ? b : a, *q = swap ? a : b;
 	double share = (t - p->t) / (q->t - p->t);
 	struct dvec2 at = dvec2_add(p->at, dvec2_scale(dvec2_sub(q->at, p->at), share));
-	return (struct roof_point){ at, t, NONE };
+	return (struct roof_point){ at, t, NONE, false };
 }
 
 static void draw_piece(struct roof *roof, const struct face_frame *frame, const struct roof_point *spots, size_t count)
@@ -719,7 +631,8 @@ bool roof_pitched(struct massing *m, struct shell *shell)
 		roof.profile = profile_of(m);
 		lay_eaves(&roof);
 		draw_faces(&roof);
-		draw_eaves(&roof);
+		struct eaves eaves = { GUTTER_M, MATERIAL_TRIM, m->facade.trim_rgb, roof.level_eaves };
+		eaves_draw(m, &eaves, shell);
 		draw_chimney(&roof);
 		draw_dormers(&roof);
 		draw_turret(&roof);

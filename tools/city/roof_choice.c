@@ -107,7 +107,8 @@ static enum roof_shape choose_house(
 enum roof_shape roof_choose(const struct roof_style *style, const struct building *building, const struct site *site)
 {
 	double unit = unit_of((uint64_t)building->id ^ 7);
-	if (building->is_part)
+	bool church = building->kind == BUILDING_CHURCH || building->kind == BUILDING_TOWER;
+	if (building->is_part && !church)
 		return ROOF_FLAT;
 	switch (building->kind) {
 	case BUILDING_HOUSE:
