@@ -22,6 +22,8 @@
 #define DEFAULT_FAR_M 6000.0
 #define DEFAULT_FOV_DEG 45.0
 #define SPLIT_M 150.0
+#define SEE_AHEAD_M 180.0 /* of the route, past buildings */
+#define SEE_BEHIND_M 30.0 /* the next manoeuvre */
 /* 21 June 2024, 08:30 UTC less the longitude: late morning, long light from the south-east */
 #define DEFAULT_WALL_S INT64_C(1718958600)
 
@@ -203,6 +205,39 @@ static void update_overlay(struct renderer *renderer, const struct nav_view *nav
 	overlay_update(&renderer->overlay, &input);
 }
 
+/* What should be seen: the route up to a little behind the next manoeuvre, and the car from outside. */
+static uint32_t points_to_see(const struct renderer *renderer, const struct nav_view *nav, int64_t (*out)[3])
+{
+	const struct ribbon *ribbon = &renderer->overlay.ribbon;
+	uint32_t count = 0;
+	if (renderer->camera.kind != CAMERA_DRIVER && nav->located) {
+		for (int axis = 0; axis < 3; axis++)
+			out[count][axis] = nav->pos_mm[axis] + (axis == 2 ? 1200 : 0);
+		count++;
+	}
+	if (!renderer->config.overlay || !nav->routed || ribbon->path.count < 2)
+		return count;
+	double ahead_m = nav->next.manoeuvre != NAV_MANOEUVRE_NONE ? nav->next.distance_m + SEE_BEHIND_M : SEE_AHEAD_M;
+	double step_m = fmin(ahead_m, SEE_AHEAD_M) / (FADE_POINTS_MAX - 1);
+	for (double s = step_m; count < FADE_POINTS_MAX; s += step_m) {
+		struct dvec2 direction;
+		struct dvec3 at = route_path_at(&ribbon->path, ribbon->car_s + s, &direction);
+		out[count][0] = ribbon->path.origin_mm[0] + llrint(at.x * 1000.0);
+		out[count][1] = ribbon->path.origin_mm[1] + llrint(at.y * 1000.0);
+		out[count][2] = ribbon->path.origin_mm[2] + llrint(at.z * 1000.0) + 1000;
+		count++;
+	}
+	return count;
+}
+
+static void update_fading(struct renderer *renderer, const struct nav_view *nav, int64_t time_ns)
+{
+	int64_t points[FADE_POINTS_MAX][3];
+	uint32_t count = nav ? points_to_see(renderer, nav, points) : 0;
+	fade_update(&renderer->scene.fade, &renderer->obstacles, renderer->view.eye_mm, (const int64_t(*)[3])points, count,
+		time_ns);
+}
+
 /* What lies on the street is drawn in both slices, each with its own depths. */
 static void draw_overlay(struct renderer *renderer)
 {
@@ -243,9 +278,10 @@ static void draw_frame(struct renderer *renderer, const struct camera_pose *pose
 	gfx_frame_begin(renderer->gfx);
 	write_frame_block(renderer, time);
 	load(renderer);
-	scene_build(&renderer->scene, &renderer->view);
 	if (nav && renderer->config.overlay)
 		update_overlay(renderer, nav, time);
+	update_fading(renderer, nav, time->time_ns);
+	scene_build(&renderer->scene, &renderer->view);
 	draw_pass(renderer, nav);
 }
 

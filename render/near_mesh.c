@@ -323,16 +323,50 @@ bool near_mesh_has(const struct near_mesh *mesh, uint32_t chunk)
 	return mesh->residency.chunks[chunk].state == RESIDENCY_PRESENT;
 }
 
-void near_mesh_emit(
-	const struct near_mesh *mesh, struct draw_list *list, uint32_t chunk, enum view_slice_id slice, float depth_m)
+static void emit_piece(struct draw_list *list, struct draw_item *item, uint32_t first, uint32_t end, float depth_m)
 {
-	struct draw_item item = { .chunk = chunk, .slice = (uint8_t)slice, .opacity = 255 };
+	item->first = first;
+	item->count = end - first;
+	draw_list_add(list, item, depth_m);
+}
+
+/* The fading object of the chunk that begins first within [at, end) of the pass, or NULL. */
+static const struct fade_entry *next_fading(
+	const struct near_mesh *mesh, const struct fade *fade, uint32_t chunk, int pass, uint32_t at, uint32_t end)
+{
+	const struct fade_entry *best = NULL;
+	uint32_t best_first = end;
+	for (uint32_t i = 0; fade && i < fade->count; i++) {
+		const struct pkg_object *object = &mesh->pkg->objects[fade->entries[i].object];
+		if (object->chunk != chunk || !object->index_count[pass])
+			continue;
+		if (object->first_index[pass] >= at && object->first_index[pass] < best_first) {
+			best = &fade->entries[i];
+			best_first = object->first_index[pass];
+		}
+	}
+	return best;
+}
+
+void near_mesh_emit(const struct near_mesh *mesh, const struct fade *fade, struct draw_list *list, uint32_t chunk,
+	enum view_slice_id slice, float depth_m)
+{
 	const struct mesh_run *runs = mesh->runs + mesh->first_run[chunk];
 	for (uint32_t i = 0; i < mesh->run_count[chunk]; i++) {
-		item.pass = runs[i].pass;
-		item.look = runs[i].look;
-		item.first = runs[i].first;
-		item.count = runs[i].count;
-		draw_list_add(list, &item, depth_m);
+		struct draw_item item = { .chunk = chunk, .slice = (uint8_t)slice, .pass = runs[i].pass, .look = runs[i].look };
+		uint32_t at = runs[i].first, end = at + runs[i].count;
+		while (at < end) {
+			const struct fade_entry *entry = next_fading(mesh, fade, chunk, item.pass, at, end);
+			const struct pkg_object *object = entry ? &mesh->pkg->objects[entry->object] : NULL;
+			uint32_t stop = object ? object->first_index[item.pass] : end;
+			item.opacity = 255;
+			emit_piece(list, &item, at, stop, depth_m);
+			at = stop;
+			if (object) {
+				at += object->index_count[item.pass];
+				item.opacity = (uint8_t)(entry->opacity * 254.0f);
+				emit_piece(list, &item, stop, at, depth_m);
+			}
+		}
 	}
 }

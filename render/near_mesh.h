@@ -8,6 +8,7 @@
 
 #include "assets/residency.h"
 #include "render/draw_list.h"
+#include "render/fade.h"
 #include "render/gfx.h"
 #include "render/view.h"
 
@@ -49,9 +50,9 @@ void near_mesh_finish(struct near_mesh *mesh);
 
 void near_mesh_load(struct near_mesh *mesh, const int64_t eye_mm[3], double far_m, uint64_t slice_bytes);
 
-/* A resident chunk, all passes, in one slice. */
-void near_mesh_emit(
-	const struct near_mesh *mesh, struct draw_list *list, uint32_t chunk, enum view_slice_id slice, float depth_m);
+/* A resident chunk, all passes, in one slice; what fades is cut out of its runs and dissolved. `fade` may be NULL. */
+void near_mesh_emit(const struct near_mesh *mesh, const struct fade *fade, struct draw_list *list, uint32_t chunk,
+	enum view_slice_id slice, float depth_m);
 
 /* Is the chunk's geometry on the GPU? */
 bool near_mesh_has(const struct near_mesh *mesh, uint32_t chunk);

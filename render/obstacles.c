@@ -133,6 +133,42 @@ double obstacles_reach(
 	return reach;
 }
 
+static bool is_among(const uint32_t *objects, uint32_t count, uint32_t object)
+{
+	for (uint32_t i = 0; i < count; i++)
+		if (objects[i] == object)
+			return true;
+	return false;
+}
+
+static bool object_blocks(const struct pkg *pkg, const struct pkg_object *object, const struct ray *way)
+{
+	struct ray ray = *way;
+	if (object->kind != PKG_OBJECT_BUILDING || !ray_meets_box(&ray, object->min_mm, object->max_mm))
+		return false;
+	ray_meets_object(&ray, pkg, object);
+	return ray.hit < way->hit;
+}
+
+uint32_t obstacles_between(const struct obstacles *obstacles, const int64_t from_mm[3], const int64_t to_mm[3],
+	uint32_t *objects, uint32_t count, uint32_t room)
+{
+	const struct pkg *pkg = obstacles->pkg;
+	const struct ray ray = { .from = metres(from_mm), .way = sub(metres(to_mm), metres(from_mm)), .hit = 1.0 };
+	for (uint32_t c = 0; c < pkg->chunk_count; c++) {
+		const struct pkg_chunk *chunk = &pkg->chunks[c];
+		if (chunk->kind != PKG_CHUNK_BLOCK || obstacles->residency->chunks[c].state != RESIDENCY_PRESENT ||
+			!ray_meets_box(&ray, chunk->min_mm, chunk->max_mm))
+			continue;
+		for (uint32_t i = 0; i < chunk->object_count && count < room; i++) {
+			uint32_t object = chunk->first_object + i;
+			if (!is_among(objects, count, object) && object_blocks(pkg, &pkg->objects[object], &ray))
+				objects[count++] = object;
+		}
+	}
+	return count;
+}
+
 bool obstacles_covered(const struct obstacles *obstacles, const int64_t at_mm[3], double up_m)
 {
 	struct ray ray = { .from = metres(at_mm), .way = { 1e-4, 2e-4, up_m }, .hit = 1.0 };

@@ -20,6 +20,11 @@ struct obstacles {
 double obstacles_reach(
 	const struct obstacles *obstacles, const int64_t from_mm[3], const int64_t to_mm[3], double clear_m);
 
+/* Adds the buildings that stand between two points to `objects` (indices into the package's, each once); returns how
+ * many there are then, at most `room`. */
+uint32_t obstacles_between(const struct obstacles *obstacles, const int64_t from_mm[3], const int64_t to_mm[3],
+	uint32_t *objects, uint32_t count, uint32_t room);
+
 /* Is there something solid straight above the point, within `up_m` metres? The eye is then inside a building (or under
  * a bridge, which is no fault). */
 bool obstacles_covered(const struct obstacles *obstacles, const int64_t at_mm[3], double up_m);

@@ -25,6 +25,7 @@ struct visible_set {
 struct repr {
 	const struct repr_ops *ops;
 	const struct near_mesh *mesh;
+	const struct fade *fade;
 	void *state; /* the representation's own, from the arena */
 };
 

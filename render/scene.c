@@ -9,6 +9,7 @@ int scene_init(struct scene *scene, struct arena *arena, const struct near_mesh 
 {
 	uint32_t chunks = mesh->pkg->chunk_count;
 	*scene = (struct scene){ .mesh = mesh, .repr = { .ops = far_ops, .mesh = mesh } };
+	scene->repr.fade = &scene->fade;
 	scene->visible.items = ARENA_ARRAY(arena, struct visible_chunk, chunks);
 	/* every chunk in both slices and all passes, and some to spare for dissolving objects */
 	if (!scene->visible.items || draw_list_init(&scene->list, arena, chunks * VIEW_SLICE_COUNT * PKG_PASS_COUNT + 4096))
@@ -66,7 +67,7 @@ void scene_build(struct scene *scene, const struct view *view)
 	for (uint32_t i = 0; i < scene->visible.count; i++) {
 		const struct visible_chunk *chunk = &scene->visible.items[i];
 		if (chunk->nearest_m <= view->slice[VIEW_NEAR].far_m)
-			near_mesh_emit(scene->mesh, &scene->list, chunk->chunk, VIEW_NEAR, chunk->nearest_m);
+			near_mesh_emit(scene->mesh, &scene->fade, &scene->list, chunk->chunk, VIEW_NEAR, chunk->nearest_m);
 	}
 	scene->repr.ops->select(&scene->repr, view);
 	scene->repr.ops->emit(&scene->repr, view, &scene->visible, &scene->list);

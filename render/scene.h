@@ -10,6 +10,7 @@
 struct scene {
 	const struct near_mesh *mesh;
 	struct repr repr;
+	struct fade fade;
 	struct visible_set visible;
 	struct draw_list list;
 	uint32_t far_triangles; /* of the last frame */
