@@ -172,6 +172,8 @@ bool ground_in_building(const struct ground_plan *plan, struct dvec2 at);
 bool ground_is_built_up(const struct ground_plan *plan, struct dvec2 at);
 /* The area of a kind that contains the place, or NULL. */
 const struct ground_area *ground_area_at(const struct ground_plan *plan, struct dvec2 at, enum ground_region region);
+/* The area that shows at a place where no road or path is, or NULL. */
+const struct ground_area *ground_top_area(const struct ground_plan *plan, struct dvec2 at);
 double ground_water_z(const struct ground_plan *plan, const struct ground_area *area, struct dvec2 at);
 
 /* Position and unit direction at a distance along a road, clamped to it. */
@@ -221,6 +223,8 @@ void soup_wall(
 /* An upright box: centre of its bottom, unit direction of its length, half sizes, height. No bottom. */
 void soup_box(struct soup *soup, struct dvec3 bottom, struct dvec2 direction, double half_length, double half_width,
 	double height);
+/* Posts and two rails over a -> b, seen through and from both sides; z: of its foot. */
+void soup_railing(struct soup *soup, struct dvec3 a, struct dvec3 b, double height);
 /* A horizontal convex polygon, counter-clockwise, `lift_m` above the terrain and exactly parallel to it: cut along the
  * terrain's triangles. count <= 8. */
 void soup_drape(struct soup *soup, const struct city *city, const struct dvec2 *points, size_t count, double lift_m);

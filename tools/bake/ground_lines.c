@@ -4,7 +4,7 @@
 
 #include "tools/bake/ground.h"
 
-#define APRON_M 5000.0
+#define APRON_M 4000.0
 #define APRON_SINK_M 0.35 /* below the last tiles' skirts' tops, so that it never shows through */
 
 static void paint(struct soup *soup, enum material_id material, uint8_t r, uint8_t g, uint8_t b, float ao)
@@ -55,6 +55,11 @@ static void add_piece(struct soup *soup, const struct city *city, struct dvec2 a
 		(struct dvec3){ bl.x, bl.y, top_b }, (struct dvec3){ al.x, al.y, top_a });
 }
 
+static struct dvec3 on_ground(const struct city *city, struct dvec2 at)
+{
+	return (struct dvec3){ at.x, at.y, city_ground(city, at) + KERB_M };
+}
+
 void ground_lines_build(const struct ground_plan *plan, struct soup *soup)
 {
 	soup->pass = PKG_PASS_OPAQUE;
@@ -73,7 +78,11 @@ void ground_lines_build(const struct ground_plan *plan, struct soup *soup)
 				struct dvec2 from = dvec2_add(a, dvec2_scale(dvec2_sub(b, a), (double)p / pieces));
 				struct dvec2 to = dvec2_add(a, dvec2_scale(dvec2_sub(b, a), (double)(p + 1) / pieces));
 				/* a gate: walls stop where streets pass */
-				if (!ground_on_road(plan, dvec2_scale(dvec2_add(from, to), 0.5), 0.0, PKG_NONE))
+				if (ground_on_road(plan, dvec2_scale(dvec2_add(from, to), 0.5), 0.0, PKG_NONE))
+					continue;
+				if (line->kind == LINE_FENCE)
+					soup_railing(soup, on_ground(plan->city, from), on_ground(plan->city, to), size.height_m);
+				else
 					add_piece(soup, plan->city, from, to, size);
 			}
 		}

@@ -21,7 +21,7 @@ const struct region_look region_looks[REGION_COUNT] = {
 	[REGION_ROAD_GRAVEL] = { MATERIAL_GRAVEL, 0.0, { 255, 255, 255 } },
 	[REGION_SIDEWALK] = { MATERIAL_PAVING, KERB_M, { 255, 255, 255 } },
 	[REGION_CYCLE] = { MATERIAL_ASPHALT_OLD, KERB_M, { 255, 236, 226 } },
-	[REGION_PATH] = { MATERIAL_PAVING, KERB_M, { 255, 252, 246 } },
+	[REGION_PATH] = { MATERIAL_PAVING, KERB_M, { 255, 255, 255 } },
 	[REGION_PATH_GRAVEL] = { MATERIAL_GRAVEL, KERB_M, { 255, 255, 255 } },
 	[REGION_STEPS] = { MATERIAL_SQUARE, KERB_M, { 236, 234, 230 } },
 	[REGION_PEDESTRIAN] = { MATERIAL_SQUARE, KERB_M, { 255, 255, 255 } },
@@ -154,28 +154,16 @@ static enum ground_region area_region(const struct area *area)
 	return regions[area->kind];
 }
 
-/* Lower comes first: piers over water, water over land, small over large. */
+/* Lower comes first: piers over water, water over land, what was built over what it was built in; then small over
+ * large. */
 static int area_rank(const struct ground_area *area)
 {
 	if (area->area->kind == AREA_PIER)
 		return 0;
-	switch (area->region) {
-	case REGION_WATER:
+	if (area->region == REGION_WATER)
 		return 1;
-	case REGION_PITCH:
-	case REGION_PEDESTRIAN:
-	case REGION_PARKING:
-		return 2;
-	case REGION_SAND:
-	case REGION_ROCK:
-		return 3;
-	case REGION_GRASS:
-	case REGION_FOREST:
-	case REGION_PARK:
-		return 4;
-	default:
-		return 5;
-	}
+	bool backdrop = area->region == REGION_FARM || area->region == REGION_RAILWAY || area->region == REGION_CONSTRUCTION;
+	return backdrop ? 3 : 2;
 }
 
 static int compare_areas(const void *left, const void *right)
@@ -253,6 +241,18 @@ const struct ground_area *ground_area_at(const struct ground_plan *plan, struct 
 	for (size_t i = 0; i < near.count; i++) {
 		const struct ground_area *area = &plan->areas.items[near.entries[i].item];
 		if (area->region == region && polygon_contains(&area->area->shape, at))
+			return area;
+	}
+	return NULL;
+}
+
+const struct ground_area *ground_top_area(const struct ground_plan *plan, struct dvec2 at)
+{
+	struct bin_items near = bins_near(&plan->area_bins, at); /* in order of precedence */
+	for (size_t i = 0; i < near.count; i++) {
+		const struct ground_area *area = &plan->areas.items[near.entries[i].item];
+		if (at.x >= area->min.x && at.x <= area->max.x && at.y >= area->min.y && at.y <= area->max.y &&
+			polygon_contains(&area->area->shape, at))
 			return area;
 	}
 	return NULL;

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #define SAMPLE_M 4.0
+#define DECK_PIECE_M 14.0
 #define GROUND_GAP_M 10.0 /* a shorter touch of the ground between two ramps is no street on the ground */
 #define TRIM_MAX_M 30.0
 #define ARM_LOOK_M 10.0 /* the heading of a junction's arm is that of its first metres */
@@ -121,7 +122,18 @@ static void settle_courses(const struct city *city, sample_array *samples, bool 
 	}
 }
 
-/* Adds samples [from, to] as a road. Points on a straight line with even slope are left out on the ground. */
+/* Does the line go on straight from a over b to c? Heights count on decks, whose pieces stay short, too. */
+static bool is_even(const struct dvec3 *a, const struct dvec3 *b, const struct dvec3 *c, bool deck)
+{
+	double length = hypot(c->x - a->x, c->y - a->y), first = hypot(b->x - a->x, b->y - a->y);
+	double bend = fabs((b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x));
+	if (bend >= 0.01 * length)
+		return false;
+	double z = a->z + (c->z - a->z) * first / fmax(length, 1e-6);
+	return !deck || (length < DECK_PIECE_M && fabs(z - b->z) < 0.005);
+}
+
+/* Adds samples [from, to] as a road. Points on a straight line are left out, but in cuts. */
 static void add_road(
 	struct ground_plan *plan, const struct road *about, const sample_array *samples, size_t from, size_t to)
 {
@@ -138,12 +150,9 @@ static void add_road(
 	road.ends_open = to + 1 < samples->count;
 	for (size_t i = from; i <= to; i++) {
 		const struct sample *sample = &samples->items[i];
-		if (road.course == ROAD_GROUND && i > from && i < to) {
-			struct dvec3 a = road.points[road.count - 1], c = samples->items[i + 1].at, b = sample->at;
-			double bend = fabs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
-			if (bend < 0.01 * hypot(c.x - a.x, c.y - a.y))
-				continue;
-		}
+		if (road.course != ROAD_CUT && i > from && i < to &&
+			is_even(&road.points[road.count - 1], &sample->at, &samples->items[i + 1].at, road.course == ROAD_DECK))
+			continue;
 		road.points[road.count] = sample->at;
 		road.along[road.count++] = sample->along - road.edge_start_m;
 	}
@@ -306,6 +315,8 @@ static enum ground_region path_region(const struct way *way)
 	case WAY_TRAM:
 		return REGION_COUNT;
 	case WAY_FOOT:
+		if (way->is_sidewalk || way->is_crossing)
+			return REGION_SIDEWALK;
 		return way->surface == SURFACE_GRAVEL || way->surface == SURFACE_GROUND ? REGION_PATH_GRAVEL : REGION_PATH;
 	default:
 		return street_region(way->street_class, way);
@@ -314,13 +325,16 @@ static enum ground_region path_region(const struct way *way)
 
 static void add_way_road(struct ground_plan *plan, const struct way *way)
 {
-	bool below = way->tunnel && !way->z_m;
+	/* Walkers' and trains' tunnels are not shown; their ramps lie flat. */
+	bool below = way->tunnel;
 	if ((way->drivable && !plan->from_ways) || way->node_count < 2 || below)
 		return;
 	struct dvec3 *points = array_grow(NULL, &(size_t){ 0 }, way->node_count, sizeof(*points));
 	for (size_t i = 0; i < way->node_count; i++) {
 		struct dvec2 at = way->nodes[i].at;
-		points[i] = (struct dvec3){ at.x, at.y, way->z_m ? way->z_m[i] : city_ground(plan->city, at) };
+		points[i] = (struct dvec3){ at.x, at.y, city_ground(plan->city, at) };
+		if (way->z_m)
+			points[i].z = fmax(points[i].z, way->z_m[i]);
 	}
 	bool rail = way->street_class == WAY_RAIL || way->street_class == WAY_TRAM;
 	struct road about = {

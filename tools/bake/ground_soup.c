@@ -108,6 +108,35 @@ void soup_box(struct soup *soup, struct dvec3 bottom, struct dvec2 direction, do
 		(struct dvec3){ corners[3].x, corners[3].y, high });
 }
 
+#define RAILING_POST_M 4.0
+
+/* An upright band seen from both sides, between two heights above its foot. */
+static void add_band(struct soup *soup, struct dvec3 a, struct dvec3 b, double low, double high)
+{
+	struct dvec2 p = { a.x, a.y }, q = { b.x, b.y };
+	soup_wall(soup, p, q, a.z + low, b.z + low, a.z + high, b.z + high);
+	soup_wall(soup, q, p, b.z + low, a.z + low, b.z + high, a.z + high);
+}
+
+void soup_railing(struct soup *soup, struct dvec3 a, struct dvec3 b, double height)
+{
+	struct dvec3 d = { b.x - a.x, b.y - a.y, b.z - a.z };
+	double length = hypot(d.x, d.y);
+	if (length < 0.05)
+		return;
+	add_band(soup, a, b, height - 0.08, height);
+	add_band(soup, a, b, height * 0.4, height * 0.4 + 0.05);
+	/* a post is one upright strip, turned so that it shows from the street and from along the railing */
+	struct dvec2 across = { (d.x - d.y) / length * 0.03, (d.x + d.y) / length * 0.03 };
+	int posts = (int)fmax(round(length / RAILING_POST_M), 1.0);
+	for (int i = 0; i < posts; i++) {
+		double t = (double)i / posts;
+		struct dvec3 at = { a.x + t * d.x, a.y + t * d.y, a.z + t * d.z };
+		add_band(soup, (struct dvec3){ at.x - across.x, at.y - across.y, at.z },
+			(struct dvec3){ at.x + across.x, at.y + across.y, at.z }, -0.15, height);
+	}
+}
+
 /* ---- draping ---- */
 
 #define CLIP_MAX 16

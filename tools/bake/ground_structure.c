@@ -9,11 +9,14 @@
 #include "tools/bake/ground.h"
 #include "tools/bake/partition.h"
 
-#define PARAPET_M 0.9
+#define UPSTAND_M 0.28 /* solid foot of the railing */
+#define RAILING_M 0.75 /* above it */
+#define FOOT_DECK_M 0.35
+#define FOOT_LOW_M 0.7 /* below this a walkway is solid down to the ground */
 #define PARAPET_WIDTH_M 0.22
 #define SHOULDER_M 0.6
-#define FOOT_EDGE_M 0.25
 #define PIER_SPACING_M 24.0
+#define FOOT_PIER_SPACING_M 14.0
 #define PIER_MIN_HEIGHT_M 2.5
 #define OVERLAP_M 0.04 /* the ground reaches this far under a structure's border */
 #define CAP_M 0.08
@@ -52,8 +55,14 @@ struct structure {
 double road_structure_half_width(const struct road *road)
 {
 	if (road->street_class >= PKG_STREET_CLASS_COUNT)
-		return road->half_width_m + FOOT_EDGE_M;
+		return road->half_width_m;
 	return road->half_width_m + fmax(fmax(road->side_left_m, road->side_right_m), SHOULDER_M);
+}
+
+static bool is_walked(const struct road *road)
+{
+	return road->street_class >= PKG_STREET_CLASS_COUNT && road->street_class != WAY_RAIL &&
+		   road->street_class != WAY_TRAM;
 }
 
 static double depth_at(const struct ground_plan *plan, const struct road *road, size_t point)
@@ -291,7 +300,9 @@ static void emit_triangle(struct structure *structure, uint32_t t)
 		return;
 	}
 	paint(soup, MATERIAL_CONCRETE, 190, 0.5f);
-	if (structure->spans.items[structure->partition.face_of.items[t]])
+	if (is_walked(road))
+		emit_floor(structure, t, -FOOT_DECK_M, true);
+	else if (structure->spans.items[structure->partition.face_of.items[t]])
 		emit_floor(structure, t, -DECK_THICKNESS_M, true);
 }
 
@@ -356,22 +367,38 @@ static void emit_parapet(struct structure *structure, uint32_t a, uint32_t b, do
 		soup_wall(soup, q, p, low[1], low[0], top[1], top[0]);
 }
 
+static void emit_railing(struct structure *structure, uint32_t a, uint32_t b, double inset, const double foot[2])
+{
+	struct dvec2 p = inwards(structure, a, a, b, inset), q = inwards(structure, b, a, b, inset);
+	paint(structure->soup, MATERIAL_METAL, 124, 1.0f);
+	soup_railing(structure->soup, (struct dvec3){ p.x, p.y, foot[0] }, (struct dvec3){ q.x, q.y, foot[1] }, RAILING_M);
+}
+
 static void emit_deck_border(struct structure *structure, uint32_t t, uint32_t a, uint32_t b)
 {
 	bool spans = structure->spans.items[structure->partition.face_of.items[t]];
 	const uint32_t ends[2] = { a, b };
 	double low[2], base[2], top[2];
 	const struct road *road = structure->foot_of.items[a].road;
-	double parapet = road && road->street_class == WAY_RAIL ? 0.25 : PARAPET_M;
+	bool walked = road && is_walked(road);
+	bool rail = road && (road->street_class == WAY_RAIL || road->street_class == WAY_TRAM);
 	for (int i = 0; i < 2; i++) {
 		double z = structure->foot_of.items[ends[i]].z, ground = ground_at(structure, ends[i]);
 		base[i] = z;
-		low[i] = z - DECK_THICKNESS_M;
-		if ((!spans || z - ground < DECK_LOW_M) && !over_water(structure, ends[i]))
+		low[i] = z - (walked ? FOOT_DECK_M : DECK_THICKNESS_M);
+		bool solid = walked ? z - ground < FOOT_LOW_M : !spans || z - ground < DECK_LOW_M;
+		if (solid && !over_water(structure, ends[i]))
 			low[i] = fmin(low[i], ground - PIT_DROP_M);
-		top[i] = z + parapet;
+		top[i] = rail ? z : z + (walked ? KERB_M : UPSTAND_M);
 	}
-	emit_parapet(structure, a, b, PARAPET_WIDTH_M, low, base, top);
+	if (rail) {
+		paint(structure->soup, MATERIAL_CONCRETE, 214, 0.85f);
+		soup_wall(structure->soup, place(structure, a), place(structure, b), low[0], low[1], top[0], top[1]);
+		return;
+	}
+	emit_parapet(structure, a, b, walked ? 0.1 : PARAPET_WIDTH_M, low, base, top);
+	double inset = walked ? 0.05 : PARAPET_WIDTH_M / 2.0;
+	emit_railing(structure, a, b, inset, top);
 }
 
 /* Inside a tube its wall; in an open cut a retaining wall that ends in a parapet above the ground. */
@@ -385,14 +412,17 @@ static void emit_cut_border(struct structure *structure, uint32_t t, uint32_t a,
 		soup_wall(soup, q, p, z[1], z[0], z[1] + TUBE_HEIGHT_M, z[0] + TUBE_HEIGHT_M);
 		return;
 	}
-	double ground[2] = { ground_at(structure, a), ground_at(structure, b) }, low[2], top[2];
+	double ground[2] = { ground_at(structure, a), ground_at(structure, b) }, low[2], top[2], deepest = 0.0;
 	for (int i = 0; i < 2; i++) {
 		double depth = fmax(ground[i] - z[i], 0.0);
-		top[i] = fmax(ground[i], z[i]) + KERB_M + fmin(depth, PARAPET_M);
+		top[i] = fmax(ground[i], z[i]) + KERB_M + fmin(depth, UPSTAND_M);
+		deepest = fmax(deepest, depth);
 		low[i] = z[i];
 		ground[i] -= 0.3;
 	}
 	emit_parapet(structure, a, b, -PARAPET_WIDTH_M, low, ground, top);
+	if (deepest > 0.8)
+		emit_railing(structure, a, b, -PARAPET_WIDTH_M / 2.0, top);
 }
 
 static void emit_edge(struct structure *structure, uint32_t t, int i)
@@ -421,33 +451,58 @@ static void emit_edge(struct structure *structure, uint32_t t, int i)
 	}
 	if (structure->cut && !covered_at(structure, t) && covered_at(structure, u)) {
 		paint(soup, MATERIAL_CONCRETE, 236, 0.9f);
-		soup_wall(soup, q, p, z[1] + TUBE_HEIGHT_M, z[0] + TUBE_HEIGHT_M, ground_at(structure, b) + PARAPET_M,
-			ground_at(structure, a) + PARAPET_M);
+		soup_wall(soup, q, p, z[1] + TUBE_HEIGHT_M, z[0] + TUBE_HEIGHT_M, ground_at(structure, b) + UPSTAND_M,
+			ground_at(structure, a) + UPSTAND_M);
 		/* and its back, towards the street above */
 		soup_wall(soup, p, q, ground_at(structure, a) - 0.3, ground_at(structure, b) - 0.3,
-			ground_at(structure, a) + PARAPET_M, ground_at(structure, b) + PARAPET_M);
+			ground_at(structure, a) + UPSTAND_M, ground_at(structure, b) + UPSTAND_M);
 	}
 }
 
 static void emit_piers(struct structure *structure, const struct road *road)
 {
-	double length = road_length(road);
-	int spans = (int)(length / PIER_SPACING_M);
+	bool walked = is_walked(road);
+	double length = road_length(road), thickness = walked ? FOOT_DECK_M : DECK_THICKNESS_M;
+	int spans = (int)(length / (walked ? FOOT_PIER_SPACING_M : PIER_SPACING_M));
 	paint(structure->soup, MATERIAL_CONCRETE, 224, 0.8f);
-	for (int i = 1; i < spans + 1 && road->bridge; i++) {
+	for (int i = 1; i < spans + 1 && (road->bridge || walked); i++) {
 		struct dvec2 direction;
 		struct dvec3 at = road_at(road, length * i / (spans + 1), &direction);
 		struct dvec2 flat = { at.x, at.y };
 		const struct ground_area *water = ground_area_at(structure->plan, flat, REGION_WATER);
 		double bottom =
 			water ? ground_water_z(structure->plan, water, flat) - 1.0 : city_ground(structure->plan->city, flat) - 0.5;
-		double height = at.z - DECK_THICKNESS_M - bottom;
+		double height = at.z - thickness - bottom;
 		if ((height < PIER_MIN_HEIGHT_M && !water) || height < 0.3 ||
 			ground_on_road(structure->plan, flat, 1.2, PKG_NONE))
 			continue;
 		soup_box(structure->soup, (struct dvec3){ at.x, at.y, bottom }, (struct dvec2){ -direction.y, direction.x },
-			fmax(road->half_width_m * 0.75, 0.4), fmin(0.6, road->half_width_m * 0.4), height + 0.2);
+			walked ? 0.18 : road->half_width_m * 0.75, walked ? 0.18 : 0.6, height + 0.2);
 	}
+}
+
+/* Two rails on a deck; those on the ground belong to its tiles. */
+static void emit_rails(struct structure *structure, const struct road *road)
+{
+	struct soup *soup = structure->soup;
+	if (road->street_class != WAY_RAIL && road->street_class != WAY_TRAM)
+		return;
+	soup->pass = PKG_PASS_DECAL;
+	soup->material = MATERIAL_METAL;
+	soup->rgb[0] = soup->rgb[1] = soup->rgb[2] = 116;
+	struct dvec2 *line = array_grow(NULL, &(size_t){ 0 }, 2 * road->count, sizeof(*line)), *other = line + road->count;
+	for (int side = -1; side <= 1; side += 2) {
+		road_offset(road, side * 0.7175 - 0.045, line);
+		road_offset(road, side * 0.7175 + 0.045, other);
+		for (size_t i = 0; i + 1 < road->count; i++) {
+			double z = road->points[i].z, z_next = road->points[i + 1].z;
+			soup_quad(soup, (struct dvec3){ line[i].x, line[i].y, z },
+				(struct dvec3){ line[i + 1].x, line[i + 1].y, z_next },
+				(struct dvec3){ other[i + 1].x, other[i + 1].y, z_next }, (struct dvec3){ other[i].x, other[i].y, z });
+		}
+	}
+	array_free(line);
+	soup->pass = PKG_PASS_OPAQUE;
 }
 
 static void finish_structure(struct structure *structure)
@@ -515,6 +570,8 @@ static void build_structure(struct structure *structure, GEOSContextHandle_t geo
 		for (int i = 0; i < 3; i++)
 			emit_edge(structure, t, i);
 	}
+	for (size_t i = 0; i < structure->road_count; i++)
+		emit_rails(structure, &structure->plan->roads.items[structure->roads[i]]);
 	for (size_t i = 0; i < structure->road_count && !structure->cut; i++)
 		emit_piers(structure, &structure->plan->roads.items[structure->roads[i]]);
 	finish_structure(structure);

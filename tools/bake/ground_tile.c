@@ -201,13 +201,9 @@ static struct surface surface_at(const struct tile *tile, struct dvec2 at)
 			continue;
 		return (struct surface){ (enum ground_region)region, NULL };
 	}
-	struct bin_items areas = bins_at(&tile->plan->area_bins, tile->col, tile->row);
-	for (size_t i = 0; i < areas.count; i++) {
-		const struct ground_area *area = &tile->plan->areas.items[areas.entries[i].item];
-		if (at.x >= area->min.x && at.x <= area->max.x && at.y >= area->min.y && at.y <= area->max.y &&
-			polygon_contains(&area->area->shape, at))
-			return (struct surface){ area->region, area->region == REGION_WATER ? area : NULL };
-	}
+	const struct ground_area *area = ground_top_area(tile->plan, at);
+	if (area)
+		return (struct surface){ area->region, area->region == REGION_WATER ? area : NULL };
 	return (struct surface){ ground_is_built_up(tile->plan, at) ? REGION_YARD : REGION_OPEN, NULL };
 }
 

@@ -217,21 +217,11 @@ static double planting_step(const struct ground_area *area)
 	return 0.0;
 }
 
-static bool taken(const struct ground_plan *plan, struct dvec2 at)
-{
-	static const enum ground_region open[] = { REGION_PITCH, REGION_PARKING, REGION_PEDESTRIAN, REGION_SAND,
-		REGION_ROCK };
-	for (size_t i = 0; i < sizeof(open) / sizeof(*open); i++)
-		if (ground_area_at(plan, at, open[i]))
-			return true;
-	return ground_on_path(plan, at, 0.9);
-}
-
 static void plant_at(
 	const struct ground_plan *plan, tree_array *trees, const struct ground_area *area, struct dvec2 at, uint64_t hash)
 {
 	if (at.x < plan->min.x || at.x > plan->max.x || at.y < plan->min.y || at.y > plan->max.y ||
-		!polygon_contains(&area->area->shape, at) || !may_stand(plan, at, 2.0) || taken(plan, at))
+		ground_top_area(plan, at) != area || !may_stand(plan, at, 2.0) || ground_on_path(plan, at, 0.9))
 		return;
 	bool forest = area->region == REGION_FOREST;
 	struct tree tree = { .at = at };
