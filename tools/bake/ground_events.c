@@ -5,7 +5,8 @@
 #include "tools/bake/ground.h"
 
 #define SNAP_M 1.5
-#define SAME_M 4.0           /* two marks of one kind this near are one */
+#define SAME_M 4.0           /* two crossings this near are one */
+#define SAME_STOP_M 18.0     /* two signals or signs for the same drivers */
 #define JUNCTION_NEAR_M 35.0 /* a signal this near to a junction is the junction's */
 #define STOP_BEFORE_M 1.0
 
@@ -123,7 +124,10 @@ static void drop_doubles(struct ground_plan *plan)
 	for (size_t i = 0; i < plan->events.count; i++) {
 		struct road_event *event = &plan->events.items[i], *last = kept ? &plan->events.items[kept - 1] : NULL;
 		if (last && last->road == event->road && last->flags == event->flags &&
-			event->along_m - last->along_m < SAME_M) {
+			event->along_m - last->along_m < (event->flags == PKG_NODE_CROSSING ? SAME_M : SAME_STOP_M)) {
+			/* who comes later in their direction stops at the first of both */
+			if (event->forward && !event->backward && !last->forward)
+				last->along_m = event->along_m;
 			last->forward |= event->forward;
 			last->backward |= event->backward;
 			continue;

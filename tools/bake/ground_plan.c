@@ -162,7 +162,8 @@ static int area_rank(const struct ground_area *area)
 		return 0;
 	if (area->region == REGION_WATER)
 		return 1;
-	bool backdrop = area->region == REGION_FARM || area->region == REGION_RAILWAY || area->region == REGION_CONSTRUCTION;
+	bool backdrop =
+		area->region == REGION_FARM || area->region == REGION_RAILWAY || area->region == REGION_CONSTRUCTION;
 	return backdrop ? 3 : 2;
 }
 

@@ -9,7 +9,8 @@
 #define DECK_PIECE_M 14.0
 #define GROUND_GAP_M 10.0 /* a shorter touch of the ground between two ramps is no street on the ground */
 #define TRIM_MAX_M 30.0
-#define ARM_LOOK_M 10.0 /* the heading of a junction's arm is that of its first metres */
+#define TANGENT_MAX_M 9.0
+#define ARM_LOOK_M 14.0 /* the heading of a junction's arm is that of its first metres */
 #define FOOT_MIN_WIDTH_M 1.6
 #define BALLAST_HALF_M 1.9
 
@@ -360,25 +361,46 @@ struct arm {
 	int street_class;
 };
 
-static struct arm arm_of(const struct ground_plan *plan, uint32_t half)
+/* Walks a half-edge's points from its origin until ARM_LOOK_M from `from`; returns the length walked. `*to` is where it
+ * ended, relative to `from`. */
+static double walk_half(
+	const struct pkg_graph *graph, uint32_t half, const int32_t *from, double length, struct dvec2 *to)
 {
-	const struct pkg_edge *edge = &plan->graph->edges[half / 2];
-	const struct pkg_point *points = plan->graph->points + edge->first_point;
+	const struct pkg_edge *edge = &graph->edges[half / 2];
+	const struct pkg_point *points = graph->points + edge->first_point;
 	uint32_t last = edge->point_count - 1;
-	const int32_t *from = points[half & 1 ? last : 0].pos_mm;
-	struct dvec2 to = { 0, 0 };
-	double length = 0.0;
-	for (uint32_t i = 1; i <= last; i++) {
+	for (uint32_t i = 1; i <= last && length < ARM_LOOK_M; i++) {
 		const int32_t *mm = points[half & 1 ? last - i : i].pos_mm;
 		struct dvec2 at = { (mm[0] - from[0]) / 1000.0, (mm[1] - from[1]) / 1000.0 };
-		length += dvec2_length(dvec2_sub(at, to));
-		to = at;
-		if (length >= ARM_LOOK_M)
-			break;
+		length += dvec2_length(dvec2_sub(at, *to));
+		*to = at;
 	}
+	return length;
+}
+
+/* The half-edge that goes on where this one ends, when nothing else does; or PKG_NONE. */
+static uint32_t continuation(const struct pkg_graph *graph, uint32_t half)
+{
+	const struct pkg_node *end = &graph->nodes[graph->halves[half ^ 1].origin];
+	if (end->out_count != 2)
+		return PKG_NONE;
+	uint32_t first = graph->outs[end->first_out], second = graph->outs[end->first_out + 1];
+	return first == (half ^ 1) ? second : first;
+}
+
+static struct arm arm_of(const struct ground_plan *plan, uint32_t half)
+{
+	const struct pkg_graph *graph = plan->graph;
+	const struct pkg_edge *edge = &graph->edges[half / 2];
+	const int32_t *from = graph->nodes[graph->halves[half].origin].pos_mm;
+	struct dvec2 to = { 0, 0 };
+	double length = walk_half(graph, half, from, 0.0, &to);
+	uint32_t next = half;
+	for (int i = 0; i < 3 && length < ARM_LOOK_M && (next = continuation(graph, next)) != PKG_NONE; i++)
+		length = walk_half(graph, next, from, length, &to);
 	struct arm arm = { .half = half,
 		.half_width = fmax(edge->width_mm / 2000.0, 1.2),
-		.length = edge->length_mm / 1000.0,
+		.length = length,
 		.street_class = edge->street_class };
 	arm.direction = unit(to);
 	double rise = from[2] / 1000.0 - city_ground(plan->city, (struct dvec2){ from[0] / 1000.0, from[1] / 1000.0 });
@@ -411,9 +433,11 @@ static void join_arms(struct ground_plan *plan, struct dvec2 node, const struct 
 	}
 	reach_a = fmax(reach_a, 0.0);
 	reach_b = fmax(reach_b, 0.0);
-	double radius = corner_radius(a->street_class, b->street_class), tangent = radius / tan(angle / 2.0);
-	bool round = angle > 0.45 && angle < 2.7 && !a->off_ground && !b->off_ground && reach_a + tangent < a->length &&
-				 reach_b + tangent < b->length && tangent < 9.0;
+	/* the largest rounding that the arms have room for */
+	double room = fmin(fmin(a->length - reach_a, b->length - reach_b) - 0.1, TANGENT_MAX_M);
+	double radius = fmin(corner_radius(a->street_class, b->street_class), room * tan(angle / 2.0));
+	double tangent = radius / tan(angle / 2.0);
+	bool round = angle > 0.45 && angle < 2.7 && !a->off_ground && !b->off_ground && radius > 0.5;
 	double rounding = round ? tangent * 0.7 : 0.0;
 	plan->half_trim_m[a->half] = fmax(plan->half_trim_m[a->half], reach_a + rounding);
 	plan->half_trim_m[b->half] = fmax(plan->half_trim_m[b->half], reach_b + rounding);

@@ -489,11 +489,11 @@ static void emit_rails(struct structure *structure, const struct road *road)
 		return;
 	soup->pass = PKG_PASS_DECAL;
 	soup->material = MATERIAL_METAL;
-	soup->rgb[0] = soup->rgb[1] = soup->rgb[2] = 116;
+	soup->rgb[0] = soup->rgb[1] = soup->rgb[2] = 196;
 	struct dvec2 *line = array_grow(NULL, &(size_t){ 0 }, 2 * road->count, sizeof(*line)), *other = line + road->count;
 	for (int side = -1; side <= 1; side += 2) {
-		road_offset(road, side * 0.7175 - 0.045, line);
-		road_offset(road, side * 0.7175 + 0.045, other);
+		road_offset(road, side * 0.7175 - 0.06, line);
+		road_offset(road, side * 0.7175 + 0.06, other);
 		for (size_t i = 0; i + 1 < road->count; i++) {
 			double z = road->points[i].z, z_next = road->points[i + 1].z;
 			soup_quad(soup, (struct dvec3){ line[i].x, line[i].y, z },

@@ -457,6 +457,9 @@ static void emit_kerb_stones(struct tile *tile)
 
 /* ---- rails ---- */
 
+#define RAIL_GAUGE_M 1.435
+#define RAIL_HALF_M 0.06
+
 static void emit_rail_piece(struct tile *tile, struct soup *soup, struct dvec2 a, struct dvec2 b)
 {
 	uint32_t face = partition_face_at(&tile->partition, dvec2_scale(dvec2_add(a, b), 0.5));
@@ -468,8 +471,12 @@ static void emit_rail_piece(struct tile *tile, struct soup *soup, struct dvec2 a
 	struct dvec2 d = dvec2_sub(b, a);
 	double length = fmax(dvec2_length(d), 1e-6);
 	struct dvec2 left = { -d.y / length, d.x / length };
+	/* dark grooves in the street, worn steel on ballast */
+	bool ballast = surface->region == REGION_RAIL || surface->region == REGION_RAILWAY;
+	memset(soup->rgb, ballast ? 196 : 62, sizeof(soup->rgb));
 	for (int side = -1; side <= 1; side += 2) {
-		struct dvec2 inner = dvec2_scale(left, side * 0.7175 - 0.045), outer = dvec2_scale(left, side * 0.7175 + 0.045);
+		double inner_m = side * RAIL_GAUGE_M / 2.0 - RAIL_HALF_M, outer_m = side * RAIL_GAUGE_M / 2.0 + RAIL_HALF_M;
+		struct dvec2 inner = dvec2_scale(left, inner_m), outer = dvec2_scale(left, outer_m);
 		const struct dvec2 corners[4] = { dvec2_add(a, inner), dvec2_add(b, inner), dvec2_add(b, outer),
 			dvec2_add(a, outer) };
 		soup_drape(soup, tile->city, corners, 4, region_looks[surface->region].level_m);
