@@ -68,7 +68,12 @@ static inline bool region_is_road(enum ground_region region)
 	return region >= REGION_ROAD && region <= REGION_ROAD_GRAVEL;
 }
 
-enum road_course { ROAD_GROUND, ROAD_DECK, ROAD_CUT };
+enum road_course {
+	ROAD_GROUND,
+	ROAD_DECK,
+	ROAD_CUT,
+	ROAD_ABSORBED, /* a walkway on a street's bridge: part of its deck; never stored */
+};
 
 /* A stretch of one street, path or rail track that takes one course. */
 struct road {
@@ -213,6 +218,9 @@ void soup_finish(struct soup *soup);
 /* Metres that one tile of a material's texture covers on horizontal surfaces. */
 double material_scale(enum material_id material);
 uint32_t soup_vertex(struct soup *soup, struct dvec3 at, struct vec3 normal, double u, double v);
+/* Moves the texture of the vertices from `first` on by whole tiles, to start near 0: a surface that shares no vertices
+ * with others may lie anywhere. */
+void soup_rebase(struct soup *soup, uint32_t first);
 void soup_triangle(struct soup *soup, uint32_t a, uint32_t b, uint32_t c);
 /* Corners counter-clockwise seen from the front; flat. Texture by length and height (walls) or by the plane (floors).
  */

@@ -111,6 +111,7 @@ static void apron_cell(
 		at[i] = soup_vertex(soup, (struct dvec3){ corners[i].x, corners[i].y, z }, (struct vec3){ 0, 0, 1 },
 			corners[i].x / scale, corners[i].y / scale);
 	}
+	soup_rebase(soup, at[0]);
 	soup_triangle(soup, at[0], at[1], at[2]);
 	soup_triangle(soup, at[0], at[2], at[3]);
 }
@@ -126,6 +127,7 @@ static void apron_corner(
 	for (int i = 0; i < 4; i++)
 		v[i] = soup_vertex(soup, (struct dvec3){ corners[i].x, corners[i].y, z }, (struct vec3){ 0, 0, 1 },
 			corners[i].x / scale, corners[i].y / scale);
+	soup_rebase(soup, v[0]);
 	bool turn = sign_x * sign_y < 0.0;
 	soup_triangle(soup, v[0], v[turn ? 2 : 1], v[turn ? 1 : 2]);
 	soup_triangle(soup, v[0], v[turn ? 3 : 2], v[turn ? 2 : 3]);

@@ -67,6 +67,7 @@ static void lay_quad(struct marker *marker, const struct dvec2 corners[4], const
 	for (int i = 0; i < 4; i++) /* corners: right at z[0], right at z[1], left at z[1], left at z[0] */
 		at[i] = soup_vertex(marker->soup, (struct dvec3){ corners[i].x, corners[i].y, z[i == 1 || i == 2] },
 			(struct vec3){ 0, 0, 1 }, corners[i].x / scale, corners[i].y / scale);
+	soup_rebase(marker->soup, at[0]);
 	soup_triangle(marker->soup, at[0], at[1], at[2]);
 	soup_triangle(marker->soup, at[0], at[2], at[3]);
 }

@@ -7,6 +7,8 @@
 
 #define SAMPLE_M 4.0
 #define DECK_PIECE_M 14.0
+#define DECK_SIDE_MAX_M 4.5
+#define DECK_SAME_M 1.0   /* higher or lower is another deck */
 #define GROUND_GAP_M 10.0 /* a shorter touch of the ground between two ramps is no street on the ground */
 #define TRIM_MAX_M 30.0
 #define TANGENT_MAX_M 9.0
@@ -171,11 +173,51 @@ static void add_road(
 	ARRAY_PUSH(&plan->roads, road);
 }
 
+/* The deck of a street that a place lies on or beside, or NULL; `*left` tells how far from its centre line. */
+static struct road *street_deck_at(struct ground_plan *plan, struct dvec3 at, double *left)
+{
+	for (size_t i = 0; i < plan->roads.count; i++) {
+		struct road *road = &plan->roads.items[i];
+		double reach = road->half_width_m + DECK_SIDE_MAX_M;
+		if (road->course != ROAD_DECK || road->edge == PKG_NONE || at.x < road->min.x - reach ||
+			at.x > road->max.x + reach || at.y < road->min.y - reach || at.y > road->max.y + reach)
+			continue;
+		for (size_t k = 0; k + 1 < road->count; k++) {
+			struct dvec3 a = road->points[k], b = road->points[k + 1];
+			struct dvec2 d = unit((struct dvec2){ b.x - a.x, b.y - a.y }), p = { at.x - a.x, at.y - a.y };
+			double along = dvec2_dot(p, d),
+				   z = a.z + (b.z - a.z) * along / fmax(road->along[k + 1] - road->along[k], 0.1);
+			*left = dvec2_cross(d, p);
+			if (along >= -1.0 && along <= road->along[k + 1] - road->along[k] + 1.0 && fabs(*left) < reach &&
+				fabs(at.z - z) < DECK_SAME_M)
+				return road;
+		}
+	}
+	return NULL;
+}
+
+/* Walkways on a street's bridge are its sidewalks, which widen for them. */
+static void absorb_walkways(struct ground_plan *plan, sample_array *samples, double half_width)
+{
+	for (size_t i = 0; i < samples->count; i++) {
+		double left = 0.0;
+		struct road *deck =
+			samples->items[i].course == ROAD_DECK ? street_deck_at(plan, samples->items[i].at, &left) : NULL;
+		if (!deck)
+			continue;
+		double *side = left > 0.0 ? &deck->side_left_m : &deck->side_right_m;
+		*side = fmax(*side, fmin(fabs(left) + half_width - deck->half_width_m, DECK_SIDE_MAX_M));
+		samples->items[i].course = ROAD_ABSORBED;
+	}
+}
+
 static void add_line(struct ground_plan *plan, const struct road *about, const struct dvec3 *points, size_t count)
 {
 	sample_array samples = { 0 };
 	sample_line(plan->city, points, count, about->bridge, about->tunnel, &samples);
 	settle_courses(plan->city, &samples, about->bridge);
+	if (about->edge == PKG_NONE)
+		absorb_walkways(plan, &samples, about->half_width_m);
 	for (size_t from = 0, to; from < samples.count; from = to) {
 		to = run_end(&samples, from);
 		struct road road = *about;
@@ -190,7 +232,8 @@ static void add_line(struct ground_plan *plan, const struct road *about, const s
 		}
 		int keep_first = samples.items[first].course, keep_last = samples.items[last].course;
 		samples.items[first].course = samples.items[last].course = (int)road.course;
-		add_road(plan, &road, &samples, first, last);
+		if (road.course != ROAD_ABSORBED)
+			add_road(plan, &road, &samples, first, last);
 		samples.items[first].course = keep_first;
 		samples.items[last].course = keep_last;
 		to++;
@@ -292,6 +335,8 @@ static void add_edge_road(struct ground_plan *plan, uint32_t e)
 		.way = way,
 	};
 	double side = sidewalk_width(edge->street_class);
+	if (about.bridge && side > 0.0)
+		about.side_left_m = about.side_right_m = 1.8;
 	if (side > 0.0 && along_town(plan, points, edge->point_count)) {
 		about.side_left_m = !way || way->sidewalk_left ? side : 0.0;
 		about.side_right_m = !way || way->sidewalk_right ? side : 0.0;

@@ -60,6 +60,19 @@ void soup_triangle(struct soup *soup, uint32_t a, uint32_t b, uint32_t c)
 	ARRAY_PUSH(&soup->triangles, (struct soup_triangle){ .v = { a, b, c }, .pass = soup->pass, .kind = soup->kind });
 }
 
+void soup_rebase(struct soup *soup, uint32_t first)
+{
+	double u = INFINITY, v = INFINITY;
+	for (size_t i = first; i < soup->vertices.count; i++) {
+		u = fmin(u, floor(soup->vertices.items[i].u));
+		v = fmin(v, floor(soup->vertices.items[i].v));
+	}
+	for (size_t i = first; i < soup->vertices.count; i++) {
+		soup->vertices.items[i].u -= u;
+		soup->vertices.items[i].v -= v;
+	}
+}
+
 static struct vec3 quad_normal(struct dvec3 a, struct dvec3 b, struct dvec3 c, struct dvec3 d)
 {
 	struct vec3 p = { (float)(c.x - a.x), (float)(c.y - a.y), (float)(c.z - a.z) };
@@ -82,6 +95,7 @@ void soup_quad(struct soup *soup, struct dvec3 a, struct dvec3 b, struct dvec3 c
 		double v = floor ? corners[i].y : corners[i].z;
 		at[i] = soup_vertex(soup, corners[i], normal, u / scale, v / scale);
 	}
+	soup_rebase(soup, at[0]);
 	soup_triangle(soup, at[0], at[1], at[2]);
 	soup_triangle(soup, at[0], at[2], at[3]);
 }
@@ -176,6 +190,7 @@ static void lay(struct soup *soup, const struct city *city, const struct dvec2 *
 	for (size_t i = 0; i < count; i++)
 		soup_vertex(soup, (struct dvec3){ points[i].x, points[i].y, city_ground(city, points[i]) + lift_m },
 			(struct vec3){ 0, 0, 1 }, points[i].x / scale, points[i].y / scale);
+	soup_rebase(soup, first);
 	for (uint32_t i = 1; i + 1 < count; i++)
 		soup_triangle(soup, first, first + i, first + i + 1);
 }

@@ -95,13 +95,16 @@ void ground_structure_footprint(const struct ground_plan *plan, const struct roa
 {
 	double half_width = road_structure_half_width(road) - OVERLAP_M;
 	size_t last = road->count - 1;
+	double from = road->start_joins ? 0.0 : OVERLAP_M, to = road_length(road) - (road->end_joins ? 0.0 : OVERLAP_M);
 	struct dvec2 *run = array_grow(NULL, &(size_t){ 0 }, road->count, sizeof(*run));
 	size_t count = 0;
 	for (size_t k = 0; k < last; k++) {
 		if (segment_breaks_ground(plan, road, k)) {
+			struct dvec3 a = road_at(road, fmax(road->along[k], from), NULL);
+			struct dvec3 b = road_at(road, fmin(road->along[k + 1], to), NULL);
 			if (!count)
-				run[count++] = (struct dvec2){ road->points[k].x, road->points[k].y };
-			run[count++] = (struct dvec2){ road->points[k + 1].x, road->points[k + 1].y };
+				run[count++] = (struct dvec2){ a.x, a.y };
+			run[count++] = (struct dvec2){ b.x, b.y };
 		} else {
 			shape_add_line(set, run, count, half_width, true);
 			count = 0;
@@ -262,7 +265,7 @@ static void paint(struct soup *soup, enum material_id material, uint8_t grey, fl
 	soup->material = (uint8_t)material;
 	soup->rgb[0] = grey;
 	soup->rgb[1] = grey;
-	soup->rgb[2] = (uint8_t)(grey - grey / 32);
+	soup->rgb[2] = grey == 255 ? grey : (uint8_t)(grey - grey / 32);
 	soup->ao = ao;
 }
 
@@ -275,6 +278,7 @@ static void emit_floor(struct structure *structure, uint32_t t, double lift, boo
 		struct dvec3 p = lifted(structure, v[i], lift);
 		at[i] = soup_vertex(structure->soup, p, (struct vec3){ 0, 0, down ? -1.0f : 1.0f }, p.x / scale, p.y / scale);
 	}
+	soup_rebase(structure->soup, at[0]);
 	soup_triangle(structure->soup, at[0], at[down ? 2 : 1], at[down ? 1 : 2]);
 }
 
