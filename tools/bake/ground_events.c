@@ -9,6 +9,7 @@
 #define SAME_STOP_M 18.0     /* two signals or signs for the same drivers */
 #define JUNCTION_NEAR_M 35.0 /* a signal this near to a junction is the junction's */
 #define STOP_BEFORE_M 1.0
+#define END_M 0.6 /* this near to an end is on it */
 
 static int compare_events(const void *left, const void *right)
 {
@@ -20,25 +21,37 @@ static int compare_events(const void *left, const void *right)
 	return (a->along_m > b->along_m) - (a->along_m < b->along_m);
 }
 
-/* The road next to a place, within SNAP_M of its centre line. */
-static bool snap(const struct ground_plan *plan, struct dvec2 at, uint32_t *road_out, double *along_out)
+/* Where a road passes a place. */
+struct pass {
+	uint32_t road;
+	double along_m, distance_m;
+};
+enum { PASSES_MAX = 16 };
+
+/* Streets within SNAP_M of a place, each once. */
+static size_t passes_at(const struct ground_plan *plan, struct dvec2 at, struct pass out[PASSES_MAX])
 {
 	struct bin_items near = bins_near(&plan->segment_bins, at);
-	double nearest = SNAP_M;
+	size_t count = 0;
 	for (size_t i = 0; i < near.count; i++) {
 		struct road_segment segment = plan->segments.items[near.entries[i].item];
 		const struct road *road = &plan->roads.items[segment.road];
 		struct dvec3 a = road->points[segment.point], b = road->points[segment.point + 1];
 		struct dvec2 d = { b.x - a.x, b.y - a.y }, p = { at.x - a.x, at.y - a.y };
 		double t = fmin(fmax(dvec2_dot(p, d) / fmax(dvec2_dot(d, d), 1e-9), 0.0), 1.0);
-		double distance = dvec2_length(dvec2_sub(p, dvec2_scale(d, t)));
-		if (road->edge == PKG_NONE || distance >= nearest)
+		struct pass pass = { segment.road, road->along[segment.point] + t * dvec2_length(d),
+			dvec2_length(dvec2_sub(p, dvec2_scale(d, t))) };
+		if (road->edge == PKG_NONE || pass.distance_m > SNAP_M)
 			continue;
-		nearest = distance;
-		*road_out = segment.road;
-		*along_out = road->along[segment.point] + t * dvec2_length(d);
+		size_t k = 0;
+		while (k < count && out[k].road != pass.road)
+			k++;
+		if (k == PASSES_MAX || (k < count && out[k].distance_m <= pass.distance_m))
+			continue;
+		out[k] = pass;
+		count += k == count;
 	}
-	return nearest < SNAP_M;
+	return count;
 }
 
 static bool starts_at_junction(const struct ground_plan *plan, const struct road *road)
@@ -68,19 +81,35 @@ static void face_drivers(const struct ground_plan *plan, struct road_event *even
 	event->backward = flags & PKG_EDGE_BACKWARD && !near_end;
 }
 
-static void add_event(struct ground_plan *plan, struct dvec2 at, uint32_t flag)
+static void add_pass(struct ground_plan *plan, const struct pass *pass, uint32_t flag)
 {
-	struct road_event event = { .flags = flag };
-	if (!snap(plan, at, &event.road, &event.along_m))
-		return;
-	const struct road *road = &plan->roads.items[event.road];
+	const struct road *road = &plan->roads.items[pass->road];
+	struct road_event event = { .road = pass->road, .along_m = pass->along_m, .flags = flag };
+	bool at_start = pass->along_m<END_M, at_end = pass->along_m> road_length(road) - END_M;
 	/* On the junction itself: the junction's arms are looked at one by one. */
-	bool on_start = event.along_m < 1.0 && starts_at_junction(plan, road);
-	bool on_end = event.along_m > road_length(road) - 1.0 && ends_at_junction(plan, road);
-	if (on_start || on_end)
+	if ((at_start && starts_at_junction(plan, road)) || (at_end && ends_at_junction(plan, road)))
 		return;
 	face_drivers(plan, &event);
+	/* At a joint of two edges each has the drivers that arrive on it. */
+	event.forward = event.forward && !at_start;
+	event.backward = event.backward && !at_end;
 	ARRAY_PUSH(&plan->events, event);
+}
+
+/* Of the street nearest to a place, and of all that end there. */
+static void add_event(struct ground_plan *plan, struct dvec2 at, uint32_t flag)
+{
+	struct pass passes[PASSES_MAX];
+	size_t count = passes_at(plan, at, passes), nearest = 0;
+	for (size_t i = 1; i < count; i++)
+		if (passes[i].distance_m < passes[nearest].distance_m)
+			nearest = i;
+	for (size_t i = 0; i < count; i++) {
+		double length = road_length(&plan->roads.items[passes[i].road]);
+		bool ends = passes[i].distance_m < 0.3 && (passes[i].along_m < END_M || passes[i].along_m > length - END_M);
+		if (i == nearest || ends)
+			add_pass(plan, &passes[i], flag);
+	}
 }
 
 static void add_way_events(struct ground_plan *plan, const struct way *way)

@@ -244,7 +244,7 @@ static void lay_crossing(struct marker *marker, double along)
 	int bars = (int)floor((usable + BAR_M) / (2.0 * BAR_M));
 	double first = -(bars - 0.5) * BAR_M;
 	double s0 = fmax(along - CROSSING_HALF_M, 0.0), s1 = fmin(along + CROSSING_HALF_M, road_length(road));
-	if (road->street_class > PKG_STREET_LIVING || bars < 2 || s1 - s0 < 2.0)
+	if (road->street_class > PKG_STREET_LIVING || bars < 2 || s1 - s0 < 1.0)
 		return;
 	choose_paint(marker, marker->rules == RULES_YELLOW_CROSSINGS);
 	for (int i = 0; i < bars; i++) {

@@ -60,8 +60,9 @@ struct sample {
 };
 typedef ARRAY(struct sample) sample_array;
 
-static void sample_line(
-	const struct city *city, const struct dvec3 *points, size_t count, bool bridge, bool tunnel, sample_array *out)
+/* `relative`: the points' z are rises above the ground, between them too. */
+static void sample_line(const struct city *city, const struct dvec3 *points, size_t count, const struct road *about,
+	bool relative, sample_array *out)
 {
 	double along = 0.0;
 	for (size_t i = 0; i < count; i++) {
@@ -73,9 +74,12 @@ static void sample_line(
 		for (int s = 1; s <= steps; s++) {
 			double t = (double)s / steps;
 			struct dvec3 at = { a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), a.z + t * (b.z - a.z) };
-			double rise = at.z - city_ground(city, (struct dvec2){ at.x, at.y });
-			int course = bridge ? ROAD_DECK : rise > SLACK_M ? ROAD_DECK : rise < -SLACK_M ? ROAD_CUT : ROAD_GROUND;
-			if (tunnel && course == ROAD_DECK)
+			double ground = city_ground(city, (struct dvec2){ at.x, at.y });
+			if (relative)
+				at.z += ground;
+			double rise = at.z - ground;
+			int course = about->bridge || rise > SLACK_M ? ROAD_DECK : rise < -SLACK_M ? ROAD_CUT : ROAD_GROUND;
+			if (about->tunnel && course == ROAD_DECK)
 				course = ROAD_GROUND;
 			ARRAY_PUSH(out, (struct sample){ at, along + t * length, course });
 		}
@@ -211,10 +215,11 @@ static void absorb_walkways(struct ground_plan *plan, sample_array *samples, dou
 	}
 }
 
-static void add_line(struct ground_plan *plan, const struct road *about, const struct dvec3 *points, size_t count)
+static void add_line(
+	struct ground_plan *plan, const struct road *about, const struct dvec3 *points, size_t count, bool relative)
 {
 	sample_array samples = { 0 };
-	sample_line(plan->city, points, count, about->bridge, about->tunnel, &samples);
+	sample_line(plan->city, points, count, about, relative, &samples);
 	settle_courses(plan->city, &samples, about->bridge);
 	if (about->edge == PKG_NONE)
 		absorb_walkways(plan, &samples, about->half_width_m);
@@ -341,7 +346,7 @@ static void add_edge_road(struct ground_plan *plan, uint32_t e)
 		about.side_left_m = !way || way->sidewalk_left ? side : 0.0;
 		about.side_right_m = !way || way->sidewalk_right ? side : 0.0;
 	}
-	add_line(plan, &about, points, edge->point_count);
+	add_line(plan, &about, points, edge->point_count, false);
 	array_free(points);
 }
 
@@ -378,9 +383,8 @@ static void add_way_road(struct ground_plan *plan, const struct way *way)
 	struct dvec3 *points = array_grow(NULL, &(size_t){ 0 }, way->node_count, sizeof(*points));
 	for (size_t i = 0; i < way->node_count; i++) {
 		struct dvec2 at = way->nodes[i].at;
-		points[i] = (struct dvec3){ at.x, at.y, city_ground(plan->city, at) };
-		if (way->z_m)
-			points[i].z = fmax(points[i].z, way->z_m[i]);
+		double ground = city_ground(plan->city, at), rise = way->z_m ? fmax(way->z_m[i] - ground, 0.0) : 0.0;
+		points[i] = (struct dvec3){ at.x, at.y, way->bridge ? ground + rise : rise };
 	}
 	bool rail = way->street_class == WAY_RAIL || way->street_class == WAY_TRAM;
 	struct road about = {
@@ -392,7 +396,7 @@ static void add_way_road(struct ground_plan *plan, const struct way *way)
 		.edge = PKG_NONE,
 		.way = way,
 	};
-	add_line(plan, &about, points, way->node_count);
+	add_line(plan, &about, points, way->node_count, !way->bridge);
 	array_free(points);
 }
 
