@@ -9,7 +9,7 @@
 #define AHEAD_M 420.0
 #define AHEAD_HALVES 40u
 #define ARM_M 13.0       /* a crossing street's name stands this far into it */
-#define HEIGHT_MM 5200   /* above the carriageway */
+#define HEIGHT_MM 6200   /* above the carriageway */
 #define SAME_NAME_M 70.0 /* carriageways of one street: one name */
 #define CELL_MM 250000
 #define GRID_SIDE_MAX 512u

@@ -61,17 +61,24 @@ static void follow_light(struct overlay *overlay, const struct overlay_input *in
 static struct ribbon_look look_of(enum camera_kind kind, float scale)
 {
 	bool above = kind == CAMERA_HEADING_UP || kind == CAMERA_NORTH_UP;
-	if (above)
-		return (struct ribbon_look){
-			.start_m = -1.0f, .start_fade_m = 1.0f, .end_m = 1e6f, .end_fade_m = 60.0f, .least_px = 11.0f * scale
-		};
-	return (struct ribbon_look){
+	struct ribbon_look look = {
 		.start_m = kind == CAMERA_CHASE ? 2.5f : 5.0f,
 		.start_fade_m = kind == CAMERA_CHASE ? 7.0f : 12.0f,
 		.end_m = 900.0f,
 		.end_fade_m = 350.0f,
+		.hidden_alpha = 0.22f,
 		.arrow = true,
 	};
+	if (above)
+		look = (struct ribbon_look){
+			.start_m = -1.0f,
+			.start_fade_m = 1.0f,
+			.end_m = 1e6f,
+			.end_fade_m = 60.0f,
+			.hidden_alpha = 0.5f,
+			.least_px = 11.0f * scale,
+		};
+	return look;
 }
 
 static const char *message_of(const struct overlay *overlay, const struct overlay_input *input)

@@ -18,6 +18,8 @@
 #define ARROW_HEAD_M 5.0
 #define ARROW_SHOWN_M 160.0f
 #define ARROW_FADE_M 30.0f
+#define ARROW_GONE_M 20.0f /* nearer than this it would stand in the driver's way */
+#define ARROW_LEAVE_M 14.0f
 
 static int create_pipelines(struct ribbon *ribbon)
 {
@@ -230,7 +232,7 @@ void ribbon_update(
 		ribbon->car_s = route_path_car_s(&ribbon->path, nav);
 	float ahead = (float)(ribbon->arrow_s - ribbon->car_s);
 	float near = fminf(fmaxf((ARROW_SHOWN_M - ahead) / ARROW_FADE_M, 0.0f), 1.0f);
-	float left = fminf(fmaxf((ahead + 6.0f) / 8.0f, 0.0f), 1.0f);
+	float left = fminf(fmaxf((ahead - ARROW_GONE_M) / ARROW_LEAVE_M, 0.0f), 1.0f);
 	ribbon->arrow_alpha = ribbon->arrow_vertex_count ? near * left : 0.0f;
 }
 
@@ -314,6 +316,6 @@ void ribbon_draw_hidden(
 	struct ribbon_constants constants;
 	if (!ribbon->gfx || ribbon->path.count < 2)
 		return;
-	fill_constants(ribbon, view, slice, look, 0.22f, &constants);
+	fill_constants(ribbon, view, slice, look, look->hidden_alpha, &constants);
 	draw_strip(ribbon, ribbon->hidden, &constants);
 }

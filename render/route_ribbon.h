@@ -41,8 +41,9 @@ struct ribbon {
 struct ribbon_look {
 	float start_m, start_fade_m;
 	float end_m, end_fade_m;
-	float least_px; /* wide at least, on the screen; for overviews */
-	bool arrow;     /* the arrow over the junction and the chevrons before it are wanted */
+	float hidden_alpha; /* of what buildings hide */
+	float least_px;     /* wide at least, on the screen; for overviews */
+	bool arrow;         /* the arrow over the junction and the chevrons before it are wanted */
 };
 
 /* `points` 0 takes 4,096. Returns 0, -ENOMEM, -EINVAL (shader). */
