@@ -9,7 +9,7 @@
 #define FADE_S 0.35f
 #define DEBOUNCE_NS (250 * NS_PER_MS) /* free for so long before it appears */
 #define REST_NS (900 * NS_PER_MS)     /* stays away for so long after it went */
-#define NEAR_M 9.0f                   /* fades out as it comes this near */
+#define NEAR_M 14.0f                  /* gone when it is this near */
 #define FAR_M 330.0f
 #define APPROACH_S 4.0f /* how far ahead its way is clear; more than LIFE_S since approaches quicken */
 #define TURNING_RPS 0.12f
@@ -151,7 +151,7 @@ static bool in_reach(const struct label *label, const struct labels_input *input
 		return true;
 	float speed = fmaxf((float)input->nav->speed_mps, 0.0f);
 	if (label->on)
-		return label->depth_m > NEAR_M && label->depth_m < FAR_M + 30.0f;
+		return label->depth_m > NEAR_M + FADE_S * speed && label->depth_m < FAR_M + 30.0f;
 	return label->depth_m > NEAR_M + 8.0f + LIFE_S * speed && label->depth_m < FAR_M;
 }
 
@@ -205,7 +205,7 @@ static void decide(struct labels *labels, struct label *label, const struct labe
 	follow_room(label, room, step * FADE_S);
 	/* not in its first second and a half: a name that only flashes is worse than one that is cut */
 	bool fresh = input->now_ns - label->on_since_ns < (int64_t)(LIFE_S * 1e9f);
-	float soon = fresh ? 0.0f : label->closing_pps * FADE_S;
+	float soon = fresh ? 0.0f : label->closing_pps * 1.6f * FADE_S;
 	if (label->on) {
 		if (!keep || room - soon < CLEAR_OFF_PX)
 			switch_off(labels, label, input->now_ns);
