@@ -1,4 +1,4 @@
-/* Keys: slice, pass, solid before dissolved, then the depth's float bits (which order as integers when positive). Least
+/* Keys: solid before faded, slice, pass, then the depth's float bits (which order as integers when positive). Least
  * significant digit radix sort: 5 passes of 8 bits over what differs. */
 #include "render/draw_list.h"
 
@@ -17,7 +17,7 @@ int draw_list_init(struct draw_list *list, struct arena *arena, uint32_t capacit
 
 void draw_list_clear(struct draw_list *list)
 {
-	list->count = 0;
+	list->count = list->solid_count = 0;
 }
 
 void draw_list_add(struct draw_list *list, const struct draw_item *item, float depth_m)
@@ -34,7 +34,7 @@ void draw_list_add(struct draw_list *list, const struct draw_item *item, float d
 	uint64_t solid = item->opacity == 255;
 	struct draw_item *out = &list->items[list->count++];
 	*out = *item;
-	out->key = (uint64_t)item->slice << 34 | (uint64_t)item->pass << 33 | (uint64_t)!solid << 32 | bits;
+	out->key = (uint64_t)!solid << 34 | (uint64_t)item->slice << 33 | (uint64_t)item->pass << 32 | bits;
 }
 
 static void sort_by_byte(const struct draw_item *from, struct draw_item *to, uint32_t count, int shift)
@@ -56,4 +56,6 @@ void draw_list_sort(struct draw_list *list)
 		list->spare = list->items;
 		list->items = sorted;
 	}
+	for (uint32_t i = 0; i < list->count; i++)
+		list->solid_count += list->items[i].opacity == 255;
 }

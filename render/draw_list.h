@@ -1,6 +1,6 @@
 /*
- * The frame's draws, packed for sorting: nearest slice first, opaque before decals, front to back. Capacity is fixed;
- * what does not fit is dropped and counted.
+ * The frame's draws, packed for sorting: solid before faded, nearest slice first, opaque before decals, front to back.
+ * Capacity is fixed; what does not fit is dropped and counted.
  */
 #ifndef BLVD_RENDER_DRAW_LIST_H
 #define BLVD_RENDER_DRAW_LIST_H
@@ -18,13 +18,14 @@ struct draw_item {
 	uint8_t slice;         /* enum view_slice_id */
 	uint8_t pass;          /* enum pkg_pass */
 	uint8_t look;          /* enum city_look */
-	uint8_t opacity;       /* 255 solid; less is dissolved */
+	uint8_t opacity;       /* 255 solid; less lets see through */
 };
 
 struct draw_list {
 	struct draw_item *items, *spare; /* `spare` is the sort's other half */
 	uint32_t count, capacity;
-	uint64_t dropped; /* since start */
+	uint32_t solid_count; /* after sorting: the first ones */
+	uint64_t dropped;     /* since start */
 };
 
 /* Returns 0 or -ENOMEM. */

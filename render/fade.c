@@ -3,7 +3,6 @@
 
 #include <math.h>
 
-#define OPACITY_IN_THE_WAY 0.22f
 #define RATE_PER_S 7.0
 
 static struct fade_entry *find(struct fade *fade, uint32_t object)
@@ -31,7 +30,7 @@ static void ease(struct fade *fade, double dt_s)
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < fade->count; i++) {
 		struct fade_entry entry = fade->entries[i];
-		float aim = entry.wanted ? OPACITY_IN_THE_WAY : 1.0f;
+		float aim = entry.wanted ? fade->opacity : 1.0f;
 		entry.opacity = aim + (entry.opacity - aim) * keep;
 		if (entry.wanted || entry.opacity < 0.99f)
 			fade->entries[kept++] = entry;

@@ -21,6 +21,7 @@ struct fade_entry {
 struct fade {
 	struct fade_entry entries[FADE_OBJECTS_MAX];
 	uint32_t count;
+	float opacity; /* of what stands in the way; set by the caller */
 	int64_t time_ns;
 };
 

@@ -79,6 +79,23 @@ static int make_objects(struct renderer *renderer, struct arena *arena)
 	return err;
 }
 
+/* Until the car is known: over the south of the streets (their mean and spread), looking north and down. */
+static struct camera_pose opening_pose(const struct pkg *pkg)
+{
+	const struct pkg_graph *graph = &pkg->graph;
+	double sum[3] = { 0 }, spread = 0.0, count = fmax(1.0, graph->node_count);
+	for (uint32_t i = 0; i < graph->node_count; i++)
+		for (int axis = 0; axis < 3; axis++)
+			sum[axis] += graph->nodes[i].pos_mm[axis];
+	for (uint32_t i = 0; i < graph->node_count; i++)
+		spread += fabs(graph->nodes[i].pos_mm[1] - sum[1] / count) / count;
+	struct camera_pose pose = { .pitch_rad = -0.6 };
+	pose.eye_mm[0] = llrint(sum[0] / count);
+	pose.eye_mm[1] = llrint(sum[1] / count - spread * 2.2);
+	pose.eye_mm[2] = llrint(sum[2] / count + spread * 1.5 + 40000.0);
+	return pose;
+}
+
 static int make_scene(struct renderer *renderer, struct arena *arena, const struct repr_ops *far_ops)
 {
 	int err = near_mesh_init(&renderer->mesh, arena, renderer->gfx, renderer->pkg, renderer->config.gpu_budget_bytes);
@@ -92,6 +109,7 @@ static int make_scene(struct renderer *renderer, struct arena *arena, const stru
 		return err;
 	renderer->obstacles = (struct obstacles){ .pkg = renderer->pkg, .residency = &renderer->mesh.residency };
 	camera_init(&renderer->camera, renderer->config.fov_deg * (BLVD_PI / 180.0));
+	renderer->camera.pose = opening_pose(renderer->pkg);
 	/* when the whole city fits, the eye does not matter */
 	if (renderer->mesh.residency.whole)
 		near_mesh_load(&renderer->mesh, (const int64_t[3]){ 0 }, renderer->config.far_m, UINT64_MAX);
@@ -232,6 +250,7 @@ static uint32_t points_to_see(const struct renderer *renderer, const struct nav_
 
 static void update_fading(struct renderer *renderer, const struct nav_view *nav, int64_t time_ns)
 {
+	renderer->scene.fade.opacity = renderer->camera.kind == CAMERA_DRIVER ? 0.5f : 0.25f;
 	int64_t points[FADE_POINTS_MAX][3];
 	uint32_t count = nav ? points_to_see(renderer, nav, points) : 0;
 	fade_update(&renderer->scene.fade, &renderer->obstacles, renderer->view.eye_mm, (const int64_t(*)[3])points, count,
@@ -239,32 +258,35 @@ static void update_fading(struct renderer *renderer, const struct nav_view *nav,
 }
 
 /* What lies on the street is drawn in both slices, each with its own depths. */
-static void draw_overlay(struct renderer *renderer)
+static void draw_in_slices(
+	struct renderer *renderer, void (*draw)(const struct overlay *overlay, enum view_slice_id slice))
 {
-	typedef void draw_fn(const struct overlay *overlay, enum view_slice_id slice);
-	draw_fn *const layers[] = { overlay_draw_world, overlay_draw_hidden };
-	for (size_t i = 0; i < sizeof(layers) / sizeof(layers[0]); i++) {
-		for (int slice = VIEW_SLICE_COUNT - 1; slice >= 0; slice--) {
-			const struct view_slice *depth = &renderer->view.slice[slice];
-			gfx_depth_range(renderer->gfx, depth->depth_near, depth->depth_far);
-			layers[i](&renderer->overlay, (enum view_slice_id)slice);
-		}
+	for (int slice = VIEW_SLICE_COUNT - 1; slice >= 0; slice--) {
+		const struct view_slice *depth = &renderer->view.slice[slice];
+		gfx_depth_range(renderer->gfx, depth->depth_near, depth->depth_far);
+		draw(&renderer->overlay, (enum view_slice_id)slice);
 	}
-	gfx_depth_range(renderer->gfx, 0.0f, 1.0f);
-	overlay_draw_screen(&renderer->overlay);
 }
 
 static void draw_pass(struct renderer *renderer, const struct nav_view *nav)
 {
+	struct gfx *gfx = renderer->gfx;
+	bool overlay = nav && renderer->config.overlay;
 	struct gfx_clear clear = { .color = true, .depth = true };
-	gfx_pass_begin(renderer->gfx, renderer->target, &clear);
-	submit(renderer->gfx, &renderer->mesh, &renderer->view, &renderer->scene.list, renderer->frame_block);
+	gfx_pass_begin(gfx, renderer->target, &clear);
+	submit_solid(gfx, &renderer->mesh, &renderer->view, &renderer->scene.list, renderer->frame_block);
 	sky_draw(&renderer->sky, &renderer->view, renderer->frame_block);
+	if (overlay)
+		draw_in_slices(renderer, overlay_draw_world);
 	if (nav)
 		marker_draw(&renderer->marker, &renderer->view, nav, renderer->camera.kind, renderer->light.night);
-	if (nav && renderer->config.overlay)
-		draw_overlay(renderer);
-	gfx_pass_end(renderer->gfx);
+	submit_faded(gfx, &renderer->mesh, &renderer->view, &renderer->scene.list, renderer->frame_block);
+	if (overlay)
+		draw_in_slices(renderer, overlay_draw_hidden);
+	gfx_depth_range(gfx, 0.0f, 1.0f);
+	if (overlay)
+		overlay_draw_screen(&renderer->overlay);
+	gfx_pass_end(gfx);
 }
 
 static void draw_frame(struct renderer *renderer, const struct camera_pose *pose, const struct nav_view *nav,

@@ -25,27 +25,27 @@ static const char *const look_defines[LOOK_COUNT][2] = {
 		"#define HAS_WALL 1\n#define HAS_GROUND 1\n#define HAS_WATER 1\n#define FADE 1\n" },
 };
 
-static int make_program(struct near_mesh *mesh, enum city_look look, int dissolved)
+static int make_program(struct near_mesh *mesh, enum city_look look, int faded)
 {
 	struct gfx_program_desc desc = {
 		.vertex = "city.vert",
 		.fragment = "city.frag",
-		.defines = look_defines[look][dissolved],
+		.defines = look_defines[look][faded],
 		.textures = { "u_textures", "u_light_map" },
 		.blocks = { "Frame", "Materials" },
 	};
-	return gfx_program_create(mesh->gfx, &desc, &mesh->programs[look][dissolved]);
+	return gfx_program_create(mesh->gfx, &desc, &mesh->programs[look][faded]);
 }
 
-static int make_pipeline(struct near_mesh *mesh, enum city_look look, enum pkg_pass pass, int dissolved)
+static int make_pipeline(struct near_mesh *mesh, enum city_look look, enum pkg_pass pass, int faded)
 {
 	bool decal = pass == PKG_PASS_DECAL;
 	struct gfx_pipeline_desc desc = {
-		.program = mesh->programs[look][dissolved],
+		.program = mesh->programs[look][faded],
 		.stride = sizeof(struct pkg_mesh_vertex),
 		.attribute_count = sizeof(vertex_layout) / sizeof(vertex_layout[0]),
 		.index = GFX_INDEX_U16,
-		.blend = decal ? GFX_BLEND : GFX_OPAQUE,
+		.blend = decal || faded ? GFX_BLEND : GFX_OPAQUE,
 		.depth = decal ? GFX_DEPTH_TEST : GFX_DEPTH_TEST_WRITE,
 		.cull_back = true,
 		.offset_factor = decal ? -1.0f : 0.0f,
@@ -53,17 +53,17 @@ static int make_pipeline(struct near_mesh *mesh, enum city_look look, enum pkg_p
 	};
 	for (uint32_t i = 0; i < desc.attribute_count; i++)
 		desc.attributes[i] = vertex_layout[i];
-	return gfx_pipeline_create(mesh->gfx, &desc, &mesh->pipelines[look][pass][dissolved]);
+	return gfx_pipeline_create(mesh->gfx, &desc, &mesh->pipelines[look][pass][faded]);
 }
 
 static int make_pipelines(struct near_mesh *mesh)
 {
 	int err = 0;
 	for (int look = 0; look < LOOK_COUNT; look++) {
-		for (int dissolved = 0; dissolved < 2 && !err; dissolved++) {
-			err = make_program(mesh, (enum city_look)look, dissolved);
+		for (int faded = 0; faded < 2 && !err; faded++) {
+			err = make_program(mesh, (enum city_look)look, faded);
 			for (int pass = 0; pass < PKG_PASS_COUNT && !err; pass++)
-				err = make_pipeline(mesh, (enum city_look)look, (enum pkg_pass)pass, dissolved);
+				err = make_pipeline(mesh, (enum city_look)look, (enum pkg_pass)pass, faded);
 		}
 	}
 	return err;
@@ -225,10 +225,10 @@ void near_mesh_finish(struct near_mesh *mesh)
 	if (!mesh->gfx)
 		return;
 	for (int look = 0; look < LOOK_COUNT; look++) {
-		for (int dissolved = 0; dissolved < 2; dissolved++) {
+		for (int faded = 0; faded < 2; faded++) {
 			for (int pass = 0; pass < PKG_PASS_COUNT; pass++)
-				gfx_pipeline_destroy(mesh->gfx, mesh->pipelines[look][pass][dissolved]);
-			gfx_program_destroy(mesh->gfx, mesh->programs[look][dissolved]);
+				gfx_pipeline_destroy(mesh->gfx, mesh->pipelines[look][pass][faded]);
+			gfx_program_destroy(mesh->gfx, mesh->programs[look][faded]);
 		}
 	}
 	gfx_texture_destroy(mesh->gfx, mesh->light_map);

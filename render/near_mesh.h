@@ -36,8 +36,8 @@ struct near_mesh {
 	gfx_buffer vertices, indices;
 	gfx_buffer materials;
 	gfx_texture textures, light_map;
-	gfx_program programs[LOOK_COUNT][2];                   /* [look][dissolved] */
-	gfx_pipeline pipelines[LOOK_COUNT][PKG_PASS_COUNT][2]; /* [look][pass][dissolved] */
+	gfx_program programs[LOOK_COUNT][2];                   /* [look][faded] */
+	gfx_pipeline pipelines[LOOK_COUNT][PKG_PASS_COUNT][2]; /* [look][pass][faded] */
 	struct mesh_run *runs;                                 /* those of chunk i from first_run[i] on */
 	uint32_t *first_run, *run_count;
 };
@@ -50,7 +50,7 @@ void near_mesh_finish(struct near_mesh *mesh);
 
 void near_mesh_load(struct near_mesh *mesh, const int64_t eye_mm[3], double far_m, uint64_t slice_bytes);
 
-/* A resident chunk, all passes, in one slice; what fades is cut out of its runs and dissolved. `fade` may be NULL. */
+/* A resident chunk, all passes, in one slice; what fades is cut out of its runs and drawn apart. `fade` may be NULL. */
 void near_mesh_emit(const struct near_mesh *mesh, const struct fade *fade, struct draw_list *list, uint32_t chunk,
 	enum view_slice_id slice, float depth_m);
 

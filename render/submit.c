@@ -37,8 +37,13 @@ static void set_origin(struct city_constants *constants, const struct view *view
 		constants->origin_mm[axis] = (float)(chunk->origin_mm[axis] - view->eye_mm[axis]);
 }
 
-void submit(struct gfx *gfx, const struct near_mesh *mesh, const struct view *view, const struct draw_list *list,
-	gfx_buffer frame_block)
+struct range {
+	uint32_t first, end;
+	bool invisible; /* writes depth alone */
+};
+
+static void submit(struct gfx *gfx, const struct near_mesh *mesh, const struct view *view, const struct draw_list *list,
+	gfx_buffer frame_block, struct range range)
 {
 	struct city_constants constants = { 0 };
 	light_map_frame(mesh->pkg, view, constants.light_map);
@@ -51,7 +56,7 @@ void submit(struct gfx *gfx, const struct near_mesh *mesh, const struct view *vi
 		.constant_count = sizeof(constants) / 16,
 	};
 	int slice = -1;
-	for (uint32_t i = 0; i < list->count; i++) {
+	for (uint32_t i = range.first; i < range.end; i++) {
 		const struct draw_item *item = &list->items[i];
 		if (item->slice != slice) {
 			slice = item->slice;
@@ -60,11 +65,24 @@ void submit(struct gfx *gfx, const struct near_mesh *mesh, const struct view *vi
 		}
 		const struct residency_chunk *place = &mesh->residency.chunks[item->chunk];
 		set_origin(&constants, view, &mesh->pkg->chunks[item->chunk]);
-		constants.opacity = item->opacity * (1.0f / 255.0f);
+		constants.opacity = range.invisible ? 0.0f : item->opacity * (1.0f / 255.0f);
 		draw.pipeline = mesh->pipelines[item->look][item->pass][item->opacity < 255];
 		draw.vertex_offset = place->first_vertex * (uint32_t)sizeof(struct pkg_mesh_vertex);
 		draw.first = place->first_index + item->first;
 		draw.count = item->count;
 		gfx_draw(gfx, &draw);
 	}
+}
+
+void submit_solid(struct gfx *gfx, const struct near_mesh *mesh, const struct view *view, const struct draw_list *list,
+	gfx_buffer frame_block)
+{
+	submit(gfx, mesh, view, list, frame_block, (struct range){ 0, list->solid_count, false });
+}
+
+void submit_faded(struct gfx *gfx, const struct near_mesh *mesh, const struct view *view, const struct draw_list *list,
+	gfx_buffer frame_block)
+{
+	submit(gfx, mesh, view, list, frame_block, (struct range){ list->solid_count, list->count, true });
+	submit(gfx, mesh, view, list, frame_block, (struct range){ list->solid_count, list->count, false });
 }

@@ -7,7 +7,13 @@
 #include "render/near_mesh.h"
 #include "render/view.h"
 
-void submit(struct gfx *gfx, const struct near_mesh *mesh, const struct view *view, const struct draw_list *list,
+/* The solid part of the list. */
+void submit_solid(struct gfx *gfx, const struct near_mesh *mesh, const struct view *view, const struct draw_list *list,
+	gfx_buffer frame_block);
+
+/* The rest, after everything that should be seen through it: its depth first, so that only its nearest surface is
+ * blended. */
+void submit_faded(struct gfx *gfx, const struct near_mesh *mesh, const struct view *view, const struct draw_list *list,
 	gfx_buffer frame_block);
 
 #endif

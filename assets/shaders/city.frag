@@ -78,22 +78,8 @@ vec3 water(vec3 body, vec3 to_eye, float distance_m)
 }
 #endif
 
-#ifdef FADE
-// Ordered dither, 4 x 4: needs no drawing order and keeps the depth right.
-void dissolve(float share)
-{
-	ivec2 p = ivec2(gl_FragCoord.xy) & 3;
-	int bayer = ((p.x ^ p.y) & 1) * 8 + (p.y & 1) * 4 + (((p.x ^ p.y) >> 1) & 1) * 2 + ((p.y >> 1) & 1);
-	if ((float(bayer) + 0.5) * (1.0 / 16.0) >= share)
-		discard;
-}
-#endif
-
 void main()
 {
-#ifdef FADE
-	dissolve(u_draw[0].w);
-#endif
 	highp float code = v_normal_code.w;
 	highp float seed = floor(code * (1.0 / 4096.0) + 0.0001);
 	code -= seed * 4096.0;
@@ -128,5 +114,8 @@ void main()
 		color = water(color, to_eye, distance_m);
 #endif
 	color = hazed(color, v_from_eye, distance_m);
+#ifdef FADE
+	alpha *= u_draw[0].w;
+#endif
 	o_color = vec4(encode_srgb(min(color, vec3(0.93))), alpha);
 }

@@ -148,29 +148,16 @@ static struct renderer_time time_of(const struct shot *shot, const struct pkg *p
 	return time;
 }
 
-/* Without --pose: over the south of the streets (their mean, and spread), looking north and down. */
-static void default_pose(struct shot *shot, const struct pkg *pkg)
-{
-	double sum[2] = { 0 }, spread = 0.0, count = pkg->graph.node_count;
-	if (shot->posed || pkg->graph.node_count == 0)
-		return;
-	for (uint32_t i = 0; i < pkg->graph.node_count; i++)
-		for (int axis = 0; axis < 2; axis++)
-			sum[axis] += pkg->graph.nodes[i].pos_mm[axis] * 1e-3;
-	for (uint32_t i = 0; i < pkg->graph.node_count; i++)
-		spread += fabs(pkg->graph.nodes[i].pos_mm[1] * 1e-3 - sum[1] / count);
-	spread /= count;
-	shot->east_m = sum[0] / count;
-	shot->north_m = sum[1] / count - spread * 2.5;
-	shot->height_m = spread * 1.5 + 40.0;
-	shot->pitch_deg = -35.0;
-}
-
 static void draw(const struct shot *shot, const struct pkg *pkg, struct renderer *renderer)
 {
 	int64_t at_mm[3] = { llrint(shot->east_m * 1e3), llrint(shot->north_m * 1e3), 0 };
 	at_mm[2] = pkg_ground_mm(pkg, at_mm[0], at_mm[1]) + llrint(shot->height_m * 1e3);
 	struct renderer_time time = time_of(shot, pkg);
+	if (!shot->posed) {
+		struct camera_pose opening = renderer_camera(renderer)->pose;
+		renderer_draw_pose(renderer, &opening, &time);
+		return;
+	}
 	double heading = shot->heading_deg * (BLVD_PI / 180.0);
 	if (shot->camera < 0) {
 		struct camera_pose pose = { { at_mm[0], at_mm[1], at_mm[2] }, heading, shot->pitch_deg * (BLVD_PI / 180.0),
@@ -234,7 +221,6 @@ static int shoot(struct shot *shot, const struct pkg *pkg, struct arena *arena)
 	shot->config.get_proc = display_get_proc;
 	uint8_t *pixels = malloc((size_t)shot->config.width * shot->config.height * 4);
 	if (pixels && !renderer_init(&renderer, arena, &shot->config, pkg)) {
-		default_pose(shot, pkg);
 		draw(shot, pkg, renderer);
 		renderer_read_pixels(renderer, pixels);
 		if (shot->repeat)
