@@ -15,6 +15,7 @@ static const struct command {
 	{ "compare", cmd_compare, "how two pictures differ, as JSON" },
 	{ "drive", cmd_drive, "a driven route as a CAN log" },
 	{ "inspect", cmd_inspect, "what is in a package" },
+	{ "synth", cmd_synth, "a made-up city as OSM" },
 	{ "track", cmd_track, "how well a log is followed, as JSON" },
 	{ "verify", cmd_verify, "every check a package must pass" },
 	{ "shot", cmd_shot, "a still picture of a package from any pose" },
