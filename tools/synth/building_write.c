@@ -5,11 +5,15 @@
 
 #include "tools/synth/synth.h"
 
+#define SAME_PLACE_M 0.05 /* coordinates are rounded to a centimetre or so */
+
 static uint32_t write_ring(struct synth *synth, const struct dvec2 *points, size_t count)
 {
 	node_array nodes = { 0 };
-	for (size_t i = 0; i < count; i++)
-		ARRAY_PUSH(&nodes, osm_doc_node(synth->doc, points[i]));
+	struct dvec2 last = points[count - 1];
+	for (size_t i = 0; i < count; last = points[i++])
+		if (dvec2_length(dvec2_sub(points[i], last)) > SAME_PLACE_M)
+			ARRAY_PUSH(&nodes, osm_doc_node(synth->doc, points[i]));
 	ARRAY_PUSH(&nodes, nodes.items[0]);
 	uint32_t way = osm_doc_way(synth->doc, nodes.items, nodes.count);
 	ARRAY_FINISH(&nodes);

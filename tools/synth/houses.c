@@ -77,20 +77,63 @@ static void write_whole(struct synth *synth, const struct block *block, const st
 	building_write_polygon(synth, &block->land, house);
 }
 
+/* Holes a little larger than the buildings, for planting between them. */
+static void plant_between(
+	struct synth *synth, const struct polygon *land, const polygon_array *built, double per_hectare, struct rng *rng)
+{
+	struct polygon lawn = *land;
+	lawn.hole_count = built->count + land->hole_count;
+	lawn.holes = POOL_ARRAY(&synth->city.pool, struct ring, lawn.hole_count + 1);
+	for (size_t i = 0; i < land->hole_count; i++)
+		lawn.holes[i] = land->holes[i];
+	for (size_t i = 0; i < built->count; i++) {
+		const struct ring *from = &built->items[i].outer;
+		struct ring *to = &lawn.holes[land->hole_count + i];
+		struct dvec2 min, max;
+		ring_bounds(from, &min, &max);
+		struct dvec2 middle = { (min.x + max.x) / 2.0, (min.y + max.y) / 2.0 };
+		*to = (struct ring){ POOL_ARRAY(&synth->city.pool, struct dvec2, from->count), from->count };
+		for (size_t k = 0; k < from->count; k++) {
+			struct dvec2 out = dvec2_sub(from->points[k], middle);
+			to->points[k] = dvec2_add(from->points[k], dvec2_scale(out, 4.5 / fmax(dvec2_length(out), 1.0)));
+		}
+	}
+	trees_scatter(synth, &lawn, per_hectare, rng, 9.0);
+}
+
+/* Where a closed row does not fit: detached houses in rows. */
+static void crooked_block(
+	struct synth *synth, struct block *block, const struct house *like, double piece_m, struct rng *rng)
+{
+	polygon_array inner = { 0 }, rows = { 0 };
+	if (inset(synth, &block->land, like->levels > 2.0 ? 1.0 : 4.0, 80.0, &inner))
+		for (size_t i = 0; i < inner.count; i++)
+			rows_across(synth, &inner.items[i], longest_side(&block->land.outer), like->levels > 2.0 ? 12.5 : 9.5, 15.0,
+				piece_m, 70.0, &rows);
+	area_write(synth, &block->land, "landuse", "grass", NULL);
+	for (size_t i = 0; i < rows.count; i++) {
+		struct house house = like->levels > 2.0 ? town_house(rng, like->levels, true) : *like;
+		building_write_polygon(synth, &rows.items[i], &house);
+	}
+	plant_between(synth, &block->land, &rows, 50.0, rng);
+	ARRAY_FINISH(&inner);
+	ARRAY_FINISH(&rows);
+}
+
 static void old_block(struct synth *synth, struct block *block, struct rng *rng)
 {
 	lot_array lots = { 0 };
 	struct ring yard;
 	double base = 3.0 + floor(rng_range(rng, 0.0, 2.0));
-	struct lot_rule rule = { fmin(9.5, block->room_m * 0.7), 6.5, 11.0, 6.5 };
+	struct lot_rule rule = { fmin(9.5, block->room_m * 0.62), 6.5, 11.0, 6.5 };
 	if (block->room_m < 8.0 || block->land.hole_count ||
 		!lots_around(&synth->city.pool, &block->land.outer, &rule, rng, &lots, &yard)) {
 		struct house house = old_house(rng, base);
 		house.roof_shape = "hipped";
-		if (block->area_m2 < 900.0 && !block->land.hole_count)
+		if (block->area_m2 < 600.0 && !block->land.hole_count)
 			write_whole(synth, block, &house);
 		else
-			square_write(synth, block);
+			crooked_block(synth, block, &house, 16.0, rng);
 		ARRAY_FINISH(&lots);
 		return;
 	}
@@ -166,10 +209,10 @@ static void perimeter_block(struct synth *synth, struct block *block, struct rng
 		house.roof_material = "gravel";
 		house.roof_colour = NULL;
 		house.height_m = house.levels * 3.25 + 0.9;
-		if (block->area_m2 < 1500.0)
+		if (block->area_m2 < 700.0)
 			write_whole(synth, block, &house);
 		else
-			square_write(synth, block);
+			crooked_block(synth, block, &house, 24.0, rng);
 	} else if (block->area_m2 > 3000.0 && rng_unit(rng) < 0.05) {
 		one_ring(synth, block, &yard, rng);
 	} else {
@@ -237,30 +280,6 @@ static void downtown_block(struct synth *synth, struct block *block, struct rng 
 	for (size_t i = 0; i < plots.count; i++)
 		write_tower(synth, &plots.items[i], 1.15 - 0.7 * away, rng);
 	ARRAY_FINISH(&plots);
-}
-
-/* Holes a little larger than the buildings, for planting between them. */
-static void plant_between(
-	struct synth *synth, const struct polygon *land, const polygon_array *built, double per_hectare, struct rng *rng)
-{
-	struct polygon lawn = *land;
-	lawn.hole_count = built->count + land->hole_count;
-	lawn.holes = POOL_ARRAY(&synth->city.pool, struct ring, lawn.hole_count + 1);
-	for (size_t i = 0; i < land->hole_count; i++)
-		lawn.holes[i] = land->holes[i];
-	for (size_t i = 0; i < built->count; i++) {
-		const struct ring *from = &built->items[i].outer;
-		struct ring *to = &lawn.holes[land->hole_count + i];
-		struct dvec2 min, max;
-		ring_bounds(from, &min, &max);
-		struct dvec2 middle = { (min.x + max.x) / 2.0, (min.y + max.y) / 2.0 };
-		*to = (struct ring){ POOL_ARRAY(&synth->city.pool, struct dvec2, from->count), from->count };
-		for (size_t k = 0; k < from->count; k++) {
-			struct dvec2 out = dvec2_sub(from->points[k], middle);
-			to->points[k] = dvec2_add(from->points[k], dvec2_scale(out, 4.5 / fmax(dvec2_length(out), 1.0)));
-		}
-	}
-	trees_scatter(synth, &lawn, per_hectare, rng, 9.0);
 }
 
 static void slab_block(struct synth *synth, struct block *block, struct rng *rng)
@@ -355,15 +374,27 @@ static void villa_block(struct synth *synth, struct block *block, struct rng *rn
 {
 	lot_array lots = { 0 };
 	struct ring yard;
-	struct lot_rule rule = { fmin(30.0, block->room_m * 0.92), 17.0, 26.0, 20.0 };
+	struct lot_rule rule = { fmin(28.0, block->room_m * 0.82), 17.0, 26.0, 20.0 };
 	bool laid = !block->land.hole_count && lots_around(&synth->city.pool, &block->land.outer, &rule, rng, &lots, &yard);
+	if (!laid) {
+		struct house house = { .kind = "house",
+			.levels = 2.0,
+			.height_m = 9.6,
+			.roof_shape = "gabled",
+			.roof_height_m = 3.4,
+			.wall_colour = PICK(rng, villa_walls),
+			.wall_material = "plaster",
+			.roof_colour = PICK(rng, tile_roofs),
+			.roof_material = "roof_tiles" };
+		crooked_block(synth, block, &house, 24.0, rng);
+		ARRAY_FINISH(&lots);
+		return;
+	}
 	area_write(synth, &block->land, "landuse", "grass", NULL);
-	for (size_t i = 0; laid && i < lots.count; i++)
+	for (size_t i = 0; i < lots.count; i++)
 		villa(synth, &lots.items[i], rng);
-	if (laid && ring_area(&yard) > 300.0)
+	if (ring_area(&yard) > 300.0)
 		trees_scatter(synth, &(struct polygon){ .outer = yard }, 60.0, rng, 9.0);
-	if (!laid)
-		trees_scatter(synth, &block->land, 60.0, rng, 9.0);
 	ARRAY_FINISH(&lots);
 }
 
@@ -421,6 +452,7 @@ static void write_silos(struct synth *synth, struct dvec2 at, struct rng *rng)
 static void industry_block(struct synth *synth, struct block *block, struct rng *rng)
 {
 	polygon_array sides = { 0 }, bed = { 0 };
+	bool inner_city = block->centrality > 0.3;
 	beside_rail(synth, block, true, &bed);
 	for (size_t i = 0; i < bed.count; i++)
 		area_write(synth, &bed.items[i], "landuse", "railway", NULL);
@@ -429,10 +461,16 @@ static void industry_block(struct synth *synth, struct block *block, struct rng 
 		polygon_array inner = { 0 }, halls = { 0 };
 		double angle = longest_side(&sides.items[i].outer);
 		if (inset(synth, &sides.items[i], 9.0, 600.0, &inner))
-			rows_across(synth, &inner.items[0], angle, rng_range(rng, 26.0, 34.0), 14.0, rng_range(rng, 46.0, 80.0),
-				380.0, &halls);
+			rows_across(synth, &inner.items[0], angle, inner_city ? 15.0 : rng_range(rng, 26.0, 34.0), 14.0,
+				inner_city ? 38.0 : rng_range(rng, 46.0, 80.0), inner_city ? 200.0 : 380.0, &halls);
 		for (size_t k = 0; k < halls.count; k++) {
 			double dice = rng_unit(rng);
+			if (inner_city) {
+				struct house office = town_house(rng, 5.0, true);
+				office.kind = dice < 0.5 ? "office" : "commercial";
+				building_write_polygon(synth, &halls.items[k], &office);
+				continue;
+			}
 			struct house hall = { .kind = dice < 0.5 ? "industrial" : "warehouse",
 				.levels = 1.0 + (dice > 0.75),
 				.roof_shape = dice < 0.6 ? "flat" : "gabled",
@@ -445,7 +483,7 @@ static void industry_block(struct synth *synth, struct block *block, struct rng 
 				area_write(synth, &halls.items[k], "amenity", "parking", NULL);
 				continue;
 			}
-			if (rng_unit(rng) < 0.06 && polygon_area(&halls.items[k]) > 1100.0) {
+			if (rng_unit(rng) < 0.03 && polygon_area(&halls.items[k]) > 1100.0) {
 				write_silos(synth, polygon_inner_point(&halls.items[k]), rng);
 				continue;
 			}

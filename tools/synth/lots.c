@@ -10,7 +10,7 @@
 
 #define CORNERS_MAX 40
 #define LEAST_SIDE_M 6.0
-#define LEAST_TURN 0.12 /* radians: less is no corner */
+#define LEAST_TURN 0.15 /* radians: less is no corner */
 
 struct outline {
 	struct dvec2 at[CORNERS_MAX], inner[CORNERS_MAX], along[CORNERS_MAX], inward[CORNERS_MAX];
@@ -53,9 +53,11 @@ static bool simplify(const struct ring *ring, struct outline *out)
 			double turn = fabs(atan2(dvec2_cross(in, on), dvec2_dot(in, on)));
 			double off = fabs(dvec2_cross(in, dvec2_sub(c, a))) / fmax(dvec2_length(dvec2_sub(c, a)), 1e-9);
 			bool is_short = dvec2_length(in) < LEAST_SIDE_M && off < 3.0;
-			/* Only what stays inside the block may be cut off: corners that stick out, and hardly bent ones. */
+			/* What stays inside the block may be cut off: corners that stick out; others where it hardly shows. */
 			bool outward = dvec2_cross(in, on) >= 0.0;
-			if (!((turn < LEAST_TURN && off < 0.6) || (is_short && outward)))
+			bool straight = turn < LEAST_TURN && off < (outward ? 1.8 : 0.7);
+			bool speck = dvec2_length(in) < 2.0 && off < 0.7;
+			if (!straight && !speck && !(is_short && outward))
 				continue;
 			for (size_t k = i; k + 1 < count; k++)
 				points[k] = points[k + 1];

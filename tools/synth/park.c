@@ -94,6 +94,27 @@ void square_write(struct synth *synth, struct block *block)
 	}
 }
 
+/* Copses beyond the last street, so that the city does not end at nothing. */
+void outskirts_write(struct synth *synth)
+{
+	struct rng rng = synth_rng(synth, 42, 0);
+	double half_w = synth->options.width_m / 2.0 + 20.0, half_h = synth->options.height_m / 2.0 + 20.0;
+	int count = (int)((half_w + half_h) / 45.0);
+	for (int i = 0; i < count; i++) {
+		double along = rng_range(&rng, -1.0, 1.0), out = rng_range(&rng, 0.0, 120.0),
+			   radius = rng_range(&rng, 30.0, 75.0);
+		int side = (int)(rng_u32(&rng) % 4);
+		double s = side < 2 ? along * half_w : (side == 2 ? -1.0 : 1.0) * (half_w + radius + out);
+		double t = side >= 2 ? along * half_h : (side == 0 ? -1.0 : 1.0) * (half_h + radius + out);
+		double clear = synth->plan.river ? synth->plan.quay_m + 90.0 : 0.0;
+		double rail =
+			synth->plan.railway ? fabs(s - (synth->plan.s.items[synth->plan.rail_column].at + 140.0)) : HUGE_VAL;
+		struct polygon copse = blob(synth, plan_place(&synth->plan, s, t), radius, &rng);
+		if (fabs(t) > clear && rail > 110.0)
+			area_write(synth, &copse, "natural", "wood", NULL);
+	}
+}
+
 void wood_write(struct synth *synth, struct block *block)
 {
 	area_write(synth, &block->land, "natural", "wood", NULL);

@@ -7,6 +7,7 @@
 #include "tools/synth/synth.h"
 
 #define RIVER_FROM_M 800.0 /* smaller cities have none */
+#define OLD_TOWN_FROM_M 450.0
 #define RAILWAY_FROM_M 1500.0
 #define PARK_FROM_M 1400.0
 #define RAIL_COLUMN_M 280.0
@@ -184,8 +185,8 @@ void plan_make(struct synth *synth)
 	plan->quay_m = plan->river_half_m + 15.0;
 	plan->phase[6] = plan->river ? fmin(0.05 * height, 170.0) : 0.0;
 	plan->phase[7] = fmax(width * 0.21, 420.0);
-	plan->old_town = true;
-	plan->old_radius_m = fmax(fmin(0.15 * least, 310.0), 105.0);
+	plan->old_town = least >= OLD_TOWN_FROM_M;
+	plan->old_radius_m = fmax(fmin(0.15 * least, 310.0), fmin(105.0, 0.2 * least));
 	plan->old_middle =
 		(struct dvec2){ -0.06 * width, plan->river ? plan->quay_m + 0.62 * plan->old_radius_m : 0.1 * least };
 	size_t capacity = 0, ranks_capacity = 0;

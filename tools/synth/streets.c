@@ -64,7 +64,8 @@ static size_t at(const struct lattice *lattice, size_t i, size_t j)
 static bool crosses_railway(const struct plan *plan, size_t row)
 {
 	bool quay = plan->river && (row == plan->south_quay || row == plan->north_quay);
-	return quay || (plan->t.items[row].rank == 2 && fabs(plan->t.items[row].at) > 300.0);
+	bool border = !row || row + 1 == plan->t.count;
+	return quay || ((border || plan->t.items[row].rank == 2) && fabs(plan->t.items[row].at) > 300.0);
 }
 
 static bool in_park(const struct plan *plan, size_t i, size_t j, bool up)
@@ -301,7 +302,7 @@ static void add_lattice_stretch(struct lattice *lattice, size_t i, size_t j, boo
 	if (plan->river && up && j == plan->south_quay) {
 		add_over(lattice, from, to, from_id, to_id, kind, name, 0.0, 1.0, true);
 	} else if (plan->railway && !up && i == plan->rail_column && !quay) {
-		bool tunnel = (j / 2) % 3 == 1;
+		bool border = !j || j + 1 == lattice->rows, tunnel = !border && j % 2 == 0;
 		double half = (tunnel ? 46.0 : 20.0) / length;
 		add_over(lattice, from, to, from_id, to_id, kind, name, 0.5 - half, 0.5 + half, !tunnel);
 	} else if (quay) {
@@ -340,7 +341,7 @@ static void add_roundabout(struct lattice *lattice, size_t i, size_t j)
 static void add_stub(struct lattice *lattice, size_t i, size_t j, double ds, double dt, int rank, const char *name)
 {
 	struct dvec2 from = crossing(lattice, i, j), to = { from.x + ds, from.y + dt };
-	if (rank < 2 || lattice->roundabout[at(lattice, i, j)])
+	if (rank < 2 || lattice->roundabout[at(lattice, i, j)] || ring_side(lattice->plan, from) < 20.0)
 		return;
 	struct street_kind kind = kind_of(lattice, rank, plan_place(lattice->plan, from.x, from.y), false);
 	kind.street.trees = false;

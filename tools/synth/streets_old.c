@@ -119,7 +119,7 @@ void streets_old_town(struct synth *synth)
 		const char *name = r == 0 ? square : r + 1 == wheel.rings ? boulevard : name_street(synth, 3);
 		for (int k = 0; k < wheel.spokes; k++) {
 			int next = (k + 1) % wheel.spokes;
-			bool skip = r > 0 && r + 1 < wheel.rings && rng_unit(&rng) < 0.12;
+			bool skip = r > 0 && r + 1 < wheel.rings && rng_unit(&rng) < 0.05;
 			struct street_kind kind = kind_of(&wheel, r, false, k);
 			if (!skip)
 				add_line(&wheel, wheel.at[r][k], wheel.at[r][next], id_of(r, k), id_of(r, next), &kind, name,
@@ -132,7 +132,7 @@ void streets_old_town(struct synth *synth)
 		const char *name = name_street(synth, k % (wheel.spokes / 4) ? 3 : 1);
 		for (int r = 0; r + 1 < wheel.rings; r++) {
 			bool inner_skip = r == 0 && k % 2; /* the square has half as many ways in */
-			bool skip = k % (wheel.spokes / 4) && (inner_skip || rng_unit(&rng) < 0.08);
+			bool skip = k % (wheel.spokes / 4) && inner_skip;
 			struct street_kind kind = kind_of(&wheel, r, true, k);
 			if (!skip)
 				add_line(&wheel, wheel.at[r][k], wheel.at[r + 1][k], id_of(r, k), id_of(r + 1, k), &kind, name, false);

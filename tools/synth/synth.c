@@ -17,6 +17,7 @@ void synth_make(struct synth *synth, const struct synth_options *options)
 	streets_write(synth);
 	river_write(synth);
 	railway_write(synth);
+	outskirts_write(synth);
 	landmarks_write(synth);
 	for (size_t i = 0; i < synth->blocks.count; i++)
 		houses_write(synth, &synth->blocks.items[i]);

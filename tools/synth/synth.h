@@ -135,6 +135,7 @@ void railway_write(struct synth *synth);
 void park_write(struct synth *synth, struct block *block);
 void square_write(struct synth *synth, struct block *block);
 void wood_write(struct synth *synth, struct block *block);
+void outskirts_write(struct synth *synth);
 void tree_write(struct synth *synth, struct dvec2 at, struct rng *rng, double height_m);
 /* `per_hectare` trees at random in a polygon. */
 void trees_scatter(struct synth *synth, const struct polygon *in, double per_hectare, struct rng *rng, double height_m);
