@@ -57,7 +57,8 @@ static double steepest(const struct pkg_graph *graph)
 	return worst;
 }
 
-/* Places along all streets that are on the ground, where a wall stands in the carriageway. */
+/* Places along all streets that are on the ground, where a wall stands in the carriageway. On a steep slope a roof may
+ * lie below the street. */
 static size_t walls_met(const struct city *city, const struct pkg_graph *graph)
 {
 	size_t met = 0;
@@ -72,7 +73,7 @@ static size_t walls_met(const struct city *city, const struct pkg_graph *graph)
 			struct dvec2 at = { mm[0] / 1000.0, mm[1] / 1000.0 };
 			bool on_ground = fabs(mm[2] / 1000.0 - city_ground(city, at)) < 0.1;
 			met += at.x > min.x && at.x < max.x && at.y > min.y && at.y < max.y && on_ground &&
-				   polygon_contains(&b->footprint, at);
+				   mm[2] / 1000.0 < b->ground_m + b->height_m - 0.5 && polygon_contains(&b->footprint, at);
 		}
 	}
 	return met;
