@@ -59,6 +59,7 @@ struct wall {
 	struct dvec2 along, out; /* unit */
 	double length;
 	double ground;   /* highest ground below it */
+	double low;      /* lowest */
 	double street_m; /* to the street in front of it; INFINITY: none near */
 	int street_class;
 	double facing_m, facing_top; /* the next wall in front; INFINITY: none near */

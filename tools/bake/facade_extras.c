@@ -61,7 +61,7 @@ static void draw_decks(
 	}
 }
 
-/* Town houses: one above the door, or a long one at the first and the last floor. */
+/* Town houses: a slab above the door, or long ones at the first and the last floor. */
 static void draw_stone(
 	const struct massing *m, const struct wall *w, double first, double storey, int storeys, struct shell *shell)
 {
@@ -77,10 +77,10 @@ static void draw_stone(
 			draw_ledge(
 				w, &(struct ledge){ bay * 0.12, w->length - bay * 0.12, 0.55, z - 0.1, z + storey * 0.1, 2.0 }, shell);
 		}
-	} else if (door && luck < 35 && bays >= 3) {
+	} else if (door && luck < 45 && bays >= 3 && m->facade.door == MATERIAL_DOOR_PORTAL) {
 		double middle = bay * ((bays == 1 ? 0 : bays / 2 - (int)(m->hash >> 50 & 1) * (bays % 2 == 0)) + 0.5);
-		draw_ledge(w, &(struct ledge){ middle - bay * 0.46, middle + bay * 0.46, 0.8, first - 0.15, first + 0.85, 2.0 },
-			shell);
+		draw_ledge(
+			w, &(struct ledge){ middle - bay * 0.46, middle + bay * 0.46, 0.7, first - 0.15, first + 0.1, 2.0 }, shell);
 	}
 }
 

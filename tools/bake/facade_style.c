@@ -459,7 +459,7 @@ static const uint8_t fronts[] = { MATERIAL_SHOP_CLASSIC, MATERIAL_SHOP_GLASS, MA
 static bool has_shop(const struct massing *m, struct pick *pick)
 {
 	enum building_kind kind = m->building->kind;
-	bool luck = pick_chance(pick, 45);
+	bool luck = pick_chance(pick, 45), rare = pick_chance(pick, 16);
 	if (!m->has_ground_floor || kind == BUILDING_HOUSE || kind == BUILDING_CIVIC || kind >= BUILDING_CHURCH ||
 		kind == BUILDING_INDUSTRIAL)
 		return false;
@@ -470,7 +470,8 @@ static bool has_shop(const struct massing *m, struct pick *pick)
 	const struct wall *wall = &m->walls.items[m->door_wall];
 	bool busy = wall->street_class == WAY_PEDESTRIAN ||
 				(wall->street_class >= PKG_STREET_PRIMARY && wall->street_class <= PKG_STREET_TERTIARY);
-	return busy && luck && wall->street_m < 16.0;
+	bool quiet = wall->street_class == PKG_STREET_RESIDENTIAL || wall->street_class == PKG_STREET_LIVING;
+	return wall->street_m < 16.0 && ((busy && luck) || (quiet && rare && m->top - m->ground > 12.0));
 }
 
 void facade_choose(struct massing *m)

@@ -99,19 +99,29 @@ static bool on_street(const struct wall *w)
 	return w->street_m < 26.0;
 }
 
-/* Below the door's level: where the ground falls along the house, a plain base shows. */
-static double draw_base(const struct massing *m, struct shell *shell, const struct wall *w, double door)
+/* Below the door's level, where the ground falls along the house, a plain base shows; where it falls by more than a
+ * storey, the house has storeys there. */
+static double draw_base(
+	const struct massing *m, struct shell *shell, const struct wall *w, const struct storeys *st, bool windows)
 {
-	if (door - m->base < 1.3)
+	if (st->door - m->base < 1.3)
 		return m->base;
 	const struct facade *f = &m->facade;
+	int bays = bays_of(w, f->bay_m);
+	int below = windows && bays > 0 && f->upper != f->blank ? (int)((st->door - w->low - 0.4) / f->storey_m) : 0;
+	double z1 = below > 0 ? st->door - below * f->storey_m : st->door - 0.3;
 	bool stone = f->blank == MATERIAL_BLANK_PLASTER || f->blank == MATERIAL_BLANK_STONE;
 	shell_brush(shell, stone ? MATERIAL_BLANK_STONE : f->blank, f->base_rgb);
-	double z1 = door - 0.3;
 	struct strip strip = { 0.0, w->length, m->base, z1, 0.0, w->length / BLANK_TILE_M, 0.0,
 		(z1 - m->base) / BLANK_TILE_M };
 	draw_strip(m, shell, w, &strip);
-	return z1;
+	if (below <= 0)
+		return z1;
+	double u = first_bay(m, w);
+	shell_brush(shell, f->upper, f->base_rgb);
+	strip = (struct strip){ 0.0, w->length, z1, st->door, u, u + bays, 60.0, 60.0 + below };
+	draw_strip(m, shell, w, &strip);
+	return st->door;
 }
 
 struct run {
@@ -248,7 +258,7 @@ static void draw_free_wall(const struct massing *m, struct shell *shell, const s
 	}
 	double from = m->base;
 	if (m->has_ground_floor) {
-		from = draw_base(m, shell, w, st.door);
+		from = draw_base(m, shell, w, &st, true);
 		if (st.upper == 0)
 			st.first = w->top > st.top ? st.top : w->top;
 		draw_ground_floor(m, shell, w, &st, from);
@@ -315,7 +325,8 @@ static void draw_church_wall(const struct massing *m, struct shell *shell, const
 		draw_party_wall(m, shell, w);
 		return;
 	}
-	double low = draw_base(m, shell, w, door), u = first_bay(m, w), bay = w->length / bays;
+	double low = draw_base(m, shell, w, &(struct storeys){ .door = door }, false);
+	double u = first_bay(m, w), bay = w->length / bays;
 	bool entrance = m->door_wall == (uint32_t)(w - m->walls.items) && height > 6.0;
 	int at = entrance ? bays / 2 : bays;
 	struct strip strip = { 0.0, bay * at, low, w->top, u, u + at, 1.0 - (door - low) / height, 2.0 };

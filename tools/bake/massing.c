@@ -228,11 +228,12 @@ static void find_ground(struct massing *m)
 	double low = INFINITY, high = -INFINITY;
 	for (size_t i = 0; i < m->walls.count; i++) {
 		struct wall *wall = &m->walls.items[i];
-		wall->ground = m->ground;
+		wall->ground = wall->low = m->ground;
 		if (!flat) {
 			struct dvec2 middle = dvec2_scale(dvec2_add(wall->a, wall->b), 0.5);
-			wall->ground = fmax(city_ground(m->city, wall->a), city_ground(m->city, wall->b));
-			wall->ground = fmax(fmax(wall->ground, city_ground(m->city, middle)), m->ground);
+			double za = city_ground(m->city, wall->a), zb = city_ground(m->city, wall->b);
+			wall->ground = fmax(fmax(za, zb), fmax(city_ground(m->city, middle), m->ground));
+			wall->low = fmax(fmin(za, zb), m->ground);
 		}
 		low = fmin(low, wall->ground);
 		high = fmax(high, wall->ground);
