@@ -12,6 +12,13 @@
 #include "platform/display/display.h"
 #include "render/frame.h"
 
+/* The driver keeps what it allocated when it is unloaded; leaks of ours are looked for in test_frame_dummy. */
+const char *__asan_default_options(void);
+const char *__asan_default_options(void)
+{
+	return "detect_leaks=0";
+}
+
 #define W 320
 #define H 180
 
@@ -24,7 +31,9 @@ static int open_display(void **state)
 	(void)state;
 	struct display_config config = { .width = W, .height = H };
 	arena_memory = malloc(ARENA_BYTES);
-	return display_open(&display, &display_surfaceless, &config) ? 0 : 0;
+	/* without any GL here the tests are skipped */
+	display_open(&display, &display_surfaceless, &config);
+	return 0;
 }
 
 static int close_display(void **state)
