@@ -72,8 +72,7 @@ int inputs_open(struct inputs *inputs, const struct options *options, const stru
 	if (status < 0)
 		return status;
 	vehicle_init(&inputs->vehicle, &inputs->car.vehicle);
-	for (unsigned i = 0; i < inputs->car.dbc_count && !inputs->destination.count_signal; i++)
-		destination_init(&inputs->destination, &inputs->car.dbc[i]);
+	destination_init(&inputs->destination, inputs->car.destination);
 	struct nav_config config = { 0 };
 	if ((status = nav_init(&inputs->nav, arena, pkg, &config)) < 0) {
 		log_error("the memory budget is too small for the street graph of this city (%zu bytes)",

@@ -5,6 +5,9 @@
 
 void destination_init(struct destination *destination, const struct dbc *dbc)
 {
+	*destination = (struct destination){ 0 };
+	if (!dbc)
+		return;
 	*destination = (struct destination){
 		.count_signal = dbc_find_signal(dbc, "DESTINATION", "StopCount"),
 		.index_signal = dbc_find_signal(dbc, "DESTINATION", "StopIndex"),

@@ -22,6 +22,7 @@ struct destination {
 	uint32_t heard_count, heard_mask;
 };
 
+/* `dbc` NULL: no stop is ever heard. */
 void destination_init(struct destination *destination, const struct dbc *dbc);
 
 /* Takes a frame. Returns true when the list in force has changed. */
