@@ -259,6 +259,8 @@ static void finish_roof(struct inference *inference, size_t i, bool walls_only)
 		building->roof_height_m = 0.0;
 	else if (building->roof_height_m <= 0.0)
 		building->roof_height_m = roof_height(building, building->roof_shape, site);
+	if (walls_only)
+		building->height_m = fmax(building->height_m, building->min_height_m + 2.5);
 	double body = building->height_m - building->min_height_m;
 	if (walls_only) {
 		building->height_m += building->roof_height_m;
@@ -309,6 +311,7 @@ static void heights_from_parts(struct inference *inference)
 		inference->known[part->outline] = true;
 		outline->height_source = HEIGHT_PARTS;
 		outline->height_m = part->height_m;
+		outline->min_height_m = 0.0;
 		outline->roof_shape = outline->roof_shape == ROOF_UNKNOWN ? ROOF_FLAT : outline->roof_shape;
 		outline->levels = levels_of_walls(outline, part->height_m);
 	}

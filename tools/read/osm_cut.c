@@ -41,9 +41,7 @@ struct ring cut_hull(struct osm_reader *reader)
 	struct dvec2 a = reader->built.min, b = reader->built.max;
 	for (size_t i = 0; !reader->clip && i < reader->store->ways.count; i++) {
 		const struct osm_way *way = &reader->store->ways.items[i];
-		if (!osm_is_building(&way->tags) && !osm_is_drivable(&way->tags))
-			continue;
-		for (size_t j = 0; j < way->ref_count; j++) {
+		for (size_t j = 0; way->built && j < way->ref_count; j++) {
 			const struct osm_node *node = osm_store_node(reader->store, way->refs[j]);
 			if (node)
 				ARRAY_PUSH(&points, node->at);
@@ -177,8 +175,7 @@ static bool emptier_side(const struct cut *cut)
 	struct dvec2 outward;
 	for (size_t i = 0; i < store->ways.count; i += step) {
 		const struct osm_way *way = &store->ways.items[i];
-		if (!way->ref_count || osm_tag(&way->tags, "bridge") ||
-			(!osm_is_building(&way->tags) && !osm_is_drivable(&way->tags)))
+		if (!way->built || !way->ref_count || osm_tag(&way->tags, "bridge"))
 			continue;
 		const struct osm_node *node = osm_store_node(store, way->refs[0]);
 		if (node && depth_in(&cut->frame, node->at, &outward) > 0.0)

@@ -38,6 +38,7 @@ struct osm_way {
 	struct osm_tags tags;
 	uint8_t fate;
 	bool claimed; /* drawn by the relation that has it as a member */
+	bool built;   /* a drivable street or (part of) a building: tells where the city is */
 };
 
 enum osm_member_kind { OSM_MEMBER_NODE, OSM_MEMBER_WAY, OSM_MEMBER_RELATION };

@@ -91,6 +91,23 @@ static double median(double_array *values)
 	return values->items[values->count / 2];
 }
 
+static void mark_built(struct osm_store *store)
+{
+	for (size_t i = 0; i < store->ways.count; i++) {
+		struct osm_way *way = &store->ways.items[i];
+		way->built = osm_is_building(&way->tags) || osm_is_drivable(&way->tags);
+	}
+	for (size_t i = 0; i < store->relations.count; i++) {
+		const struct osm_relation *relation = &store->relations.items[i];
+		for (size_t j = 0; osm_is_building(&relation->tags) && j < relation->member_count; j++) {
+			struct osm_way *way =
+				relation->members[j].kind == OSM_MEMBER_WAY ? osm_store_way(store, relation->members[j].ref) : NULL;
+			if (way)
+				way->built = true;
+		}
+	}
+}
+
 /* Nodes of buildings and drivable ways; those far from the others are marked bad and counted. */
 static void osm_bounds(struct osm_store *store, struct geo_bounds *out)
 {
@@ -99,9 +116,7 @@ static void osm_bounds(struct osm_store *store, struct geo_bounds *out)
 	for (int pass = 0; pass < 2; pass++) {
 		for (size_t i = 0; i < store->ways.count; i++) {
 			const struct osm_way *way = &store->ways.items[i];
-			if (!osm_is_building(&way->tags) && !osm_is_drivable(&way->tags))
-				continue;
-			for (size_t j = 0; j < way->ref_count; j++) {
+			for (size_t j = 0; way->built && j < way->ref_count; j++) {
 				struct osm_node *node = osm_store_node(store, way->refs[j]);
 				if (!node)
 					continue;
@@ -267,6 +282,7 @@ static int read_sources(struct sources *sources, const struct read_options *opti
 static int make_city(struct city *city, const struct read_options *options, struct sources *sources)
 {
 	struct geo_bounds bounds = { 0 };
+	mark_built(&sources->osm);
 	osm_bounds(&sources->osm, &bounds);
 	set_bounds_of(&sources->set, &bounds);
 	if (options->bounds) {
