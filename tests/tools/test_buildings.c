@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "platform/base/rng.h"
+#include "tools/bake/bake.h"
 #include "tools/bake/buildings.h"
 
 struct fixture {
@@ -448,8 +449,6 @@ static void any_outline_gives_a_sound_building(void **state)
 		b->roof_direction_deg = rng_u32(&rng) % 3 ? NAN : rng_range(&rng, 0.0, 360.0);
 		b->shop = rng_u32(&rng) % 2;
 		make(&f, 0);
-		double top = f.plots.plots.count ? 0.0 : b->height_m;
-		(void)top;
 		if (f.shell.vertices.count) {
 			check_vertices(&f, -0.5, fmax(b->height_m, 3.0) + 20.0);
 			assert_true(f.shell.indices.count / 3 < 60 * count + 400);
@@ -532,6 +531,70 @@ static void the_same_building_twice_is_the_same(void **state)
 	finish(&g);
 }
 
+static void a_canopy_is_closed_and_stands_on_posts(void **state)
+{
+	(void)state;
+	struct fixture f;
+	start(&f);
+	add(&f, outlines[0].points, outlines[0].count, ROOF_FLAT)->kind = BUILDING_ROOF;
+	make(&f, 0);
+	check_vertices(&f, -0.5, 8.0);
+	size_t low = 0;
+	for (size_t i = 0; i < f.shell.vertices.count; i++)
+		low += f.shell.vertices.items[i].at.z < 0.0;
+	assert_int_equal(low, 4 * 4 * 2);
+	finish(&f);
+}
+
+/* Walls and roofs of CityJSON surfaces are told apart by where they face. */
+static void surfaces_are_dressed_by_their_normals(void **state)
+{
+	(void)state;
+	struct fixture f;
+	start(&f);
+	struct building *b = add(&f, outlines[0].points, outlines[0].count, ROOF_FLAT);
+	struct dvec3 faces[] = { { 0, 0, 0 }, { 9, 0, 0 }, { 9, 0, 7 }, { 0, 0, 7 }, { 9, 0, 7 }, { 9, 9, 9 }, { 0, 0, 0 },
+		{ 0, 9, 0 }, { 9, 9, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, { 0, NAN, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
+	b->walls_3d = pool_copy(&f.city.pool, faces, sizeof(faces));
+	b->wall_3d_count = sizeof(faces) / sizeof(faces[0]);
+	make(&f, 0);
+	assert_int_equal(f.shell.indices.count, 9);
+	check_vertices(&f, 0.0, 9.0);
+	for (size_t i = 0; i < f.shell.indices.count; i++) {
+		const struct mesh_vertex *v = &f.shell.vertices.items[f.shell.indices.items[i]];
+		bool roof = v->material >= MATERIAL_ROOF_TILES && v->material <= MATERIAL_ROOF_GRASS;
+		assert_int_equal(roof, v->normal.z > 0.35f);
+	}
+	finish(&f);
+}
+
+static void a_city_is_the_same_whatever_its_threads_do(void **state)
+{
+	(void)state;
+	struct fixture f;
+	start(&f);
+	for (int i = 0; i < 60; i++) {
+		double x = i % 10 * 18.0, y = i / 10 * 30.0;
+		struct building *b =
+			add(&f, POINTS({ x, y }, { x + 18, y }, { x + 18, y + 12 }, { x, y + 12 }), shapes[i % 12]);
+		b->kind = i % 3 ? BUILDING_APARTMENTS : BUILDING_HOUSE;
+		b->height_m = 6.0 + i % 7 * 2.5;
+	}
+	struct mesh_chunks chunks[2];
+	for (int k = 0; k < 2; k++) {
+		struct mesh_sink *sink = mesh_sink_new();
+		buildings_build(&f.city, NULL, sink);
+		mesh_finish_chunks(sink, &chunks[k]);
+		mesh_sink_free(sink);
+	}
+	assert_int_equal(chunks[0].objects.count, 60);
+	assert_int_equal(chunks[0].geometry.count, chunks[1].geometry.count);
+	assert_memory_equal(chunks[0].geometry.items, chunks[1].geometry.items, chunks[0].geometry.count);
+	mesh_chunks_finish(&chunks[0]);
+	mesh_chunks_finish(&chunks[1]);
+	finish(&f);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -546,6 +609,9 @@ int main(void)
 		cmocka_unit_test(dirt_is_dropped_or_drawn),
 		cmocka_unit_test(windows_are_whole),
 		cmocka_unit_test(the_same_building_twice_is_the_same),
+		cmocka_unit_test(a_canopy_is_closed_and_stands_on_posts),
+		cmocka_unit_test(surfaces_are_dressed_by_their_normals),
+		cmocka_unit_test(a_city_is_the_same_whatever_its_threads_do),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

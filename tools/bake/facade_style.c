@@ -491,7 +491,7 @@ void facade_choose(struct massing *m)
 	}
 	choose_roofing(m, &pick, region);
 	f->overhang = usual_overhang(m);
-	f->parapet = m->top - m->base > 5.0;
+	f->parapet = m->top - m->base > 5.0 && m->building->kind != BUILDING_ROOF;
 	f->shop = has_shop(m, &pick) ? fronts[pick_one(&pick, sizeof(fronts))] : 0;
 	set_rgb(f->base_rgb, f->wall_rgb);
 	if (f->ground == MATERIAL_GROUND_RUSTIC || f->shop) {
