@@ -14,7 +14,8 @@
 #define CORNER_RADIUS_M 7.5
 #define CORNER_REACH_M 15.0
 #define CORNER_ROOM 0.5  /* of the shorter half-edge */
-#define ROUTE_FAVOUR 4.0 /* the planned way counts so much more while the belief is split */
+#define ROUTE_FAVOUR_M 40.0
+#define ROUTE_FAVOUR 8.0 /* the planned way counts so much more while the belief is split */
 #define HEADING_SIGMA 0.12
 #define CORRELATION_M 5.0 /* residuals closer than this are not independent */
 #define OFFSET_CORRELATION_M 10.0
@@ -469,11 +470,15 @@ static bool touches(const struct graph *graph, uint32_t a, uint32_t b)
 		   graph_end(graph, a) == graph_end(graph, b);
 }
 
-static bool on_route(const struct match_hints *hints, uint32_t half)
+/* Is it on the next stretch of the planned route? Farther on a route may pass by here again. */
+static bool on_route(const struct graph *graph, const struct match_hints *hints, uint32_t half)
 {
-	for (uint32_t i = 0; i < hints->route_count && i < 24; i++)
+	double ahead = 0.0;
+	for (uint32_t i = 0; i < hints->route_count && i < 24 && ahead < ROUTE_FAVOUR_M; i++) {
 		if (hints->route[i] == half)
 			return true;
+		ahead += i ? graph_length_m(graph, hints->route[i]) : 0.0;
+	}
 	return false;
 }
 
@@ -484,7 +489,7 @@ static void estimate(struct match *match, const struct match_hints *hints)
 	double total = 0.0, best_weight = 0.0;
 	for (uint32_t i = 0; i < count; i++) {
 		double weight = modes[i].half == match->half ? 1.15 * modes[i].weight : modes[i].weight;
-		if (on_route(hints, modes[i].half))
+		if (on_route(match->graph, hints, modes[i].half))
 			weight *= ROUTE_FAVOUR;
 		total += modes[i].weight;
 		if (weight > best_weight) {

@@ -10,13 +10,13 @@
 
 #define DBC_MAX PROFILE_DBC_MAX
 
-enum { KEY_CITY = 256, KEY_TRUTH, KEY_PROFILE, KEY_DBC, KEY_GNSS, KEY_STEP, KEY_TRACE };
+enum { KEY_CITY = 256, KEY_TRUTH, KEY_PROFILE, KEY_DBC, KEY_GNSS, KEY_FREE, KEY_STEP, KEY_TRACE };
 
 struct arguments {
 	const char *log, *city, *truth, *profile, *trace;
 	const char *dbc[DBC_MAX];
 	unsigned dbc_count;
-	bool gnss;
+	bool gnss, free;
 	double step_s;
 };
 
@@ -26,6 +26,7 @@ static const struct argp_option option_list[] = {
 	{ "profile", KEY_PROFILE, "FILE", 0, "names of the car's signals; default: the virtual car", 0 },
 	{ "dbc", KEY_DBC, "FILE", 0, "signal definitions, instead of the profile's", 0 },
 	{ "gnss", KEY_GNSS, NULL, 0, "use satellite fixes beyond the first", 0 },
+	{ "free", KEY_FREE, NULL, 0, "without the route that the log asks for", 0 },
 	{ "step", KEY_STEP, "SECONDS", 0, "between updates; default 0.02", 0 },
 	{ "trace", KEY_TRACE, "FILE.csv", 0, "where the navigator said the car was", 0 },
 	{ 0 },
@@ -52,6 +53,9 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
 		break;
 	case KEY_GNSS:
 		arguments->gnss = true;
+		break;
+	case KEY_FREE:
+		arguments->free = true;
 		break;
 	case KEY_STEP:
 		arguments->step_s = strtod(arg, &end);
@@ -107,7 +111,7 @@ static void print_result(const struct track_result *r, bool city, bool truth)
 
 static int run(const struct arguments *arguments, const struct car *car, const struct pkg *pkg)
 {
-	struct track_options options = { .log = arguments->log, .use_gnss = arguments->gnss, .step_s = arguments->step_s };
+	struct track_options options = { .log = arguments->log, .use_gnss = arguments->gnss, .free = arguments->free, .step_s = arguments->step_s };
 	struct truth truth = { 0 };
 	struct track_result result;
 	options.pkg = arguments->city ? pkg : NULL;

@@ -210,7 +210,7 @@ static void advance(struct run *run, int64_t now_ns, double step_s)
 static void feed(struct run *run, const struct can_frame_rx *frame)
 {
 	vehicle_feed(&run->vehicle, frame);
-	if (!run->options->pkg || !destination_feed(&run->destination, frame))
+	if (!run->options->pkg || run->options->free || !destination_feed(&run->destination, frame))
 		return;
 	if (run->destination.stop_count)
 		nav_set_stops(&run->nav, run->destination.stops, run->destination.stop_count);

@@ -38,6 +38,7 @@ struct track_options {
 	const struct pkg *pkg;     /* NULL: dead reckoning alone */
 	const struct truth *truth; /* NULL: none */
 	bool use_gnss;
+	bool free; /* no route: what the bus asks for is not heard */
 	double step_s; /* between updates; 0: 0.02 */
 	FILE *trace;   /* CSV of what the navigator said; NULL none */
 };
