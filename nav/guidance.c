@@ -120,8 +120,11 @@ static enum nav_manoeuvre classify(const struct graph *graph, uint32_t from, uin
 		return NAV_MANOEUVRE_MERGE;
 	struct choices seen = look_around(graph, from, to);
 	bool same = same_street(edge_from, edge_to);
-	if (!seen.count)
-		return NAV_MANOEUVRE_NONE;
+	if (!seen.count) {
+		/* The only way on; still a turn where the street ends at another one. */
+		bool ends = graph->net->nodes[graph_end(graph, from)].out_count > 2 && !same && size >= FORK_DEG;
+		return ends ? manoeuvre_by_angle(deg) : NAV_MANOEUVRE_NONE;
+	}
 	if (size < FORK_DEG && seen.forks_left + seen.forks_right > 0) {
 		bool obvious = size + 12.0 < seen.straightest_deg && (same || !seen.fork_main);
 		bool main_goes_on = same && !seen.straight_is_ours && size < STRAIGHT_DEG;
@@ -135,7 +138,7 @@ static enum nav_manoeuvre classify(const struct graph *graph, uint32_t from, uin
 	}
 	if (size < STRAIGHT_DEG)
 		return NAV_MANOEUVRE_NONE;
-	bool bends = seen.straightest_deg > size + (same ? 25.0 : 40.0);
+	bool bends = seen.straightest_deg > size + (same ? 12.0 : 40.0);
 	if (bends && size < (same ? 75.0 : 45.0))
 		return NAV_MANOEUVRE_NONE;
 	return manoeuvre_by_angle(deg);

@@ -13,7 +13,7 @@
 #define CORNER_MAX_RAD 2.0
 #define CORNER_RADIUS_M 7.5
 #define CORNER_REACH_M 15.0
-#define CORNER_ROOM 0.5  /* of the shorter half-edge */
+#define CORNER_ROOM 0.5 /* of the shorter half-edge */
 #define ROUTE_FAVOUR_M 40.0
 #define ROUTE_FAVOUR 8.0 /* the planned way counts so much more while the belief is split */
 #define HEADING_SIGMA 0.12
@@ -23,6 +23,11 @@
 #define MISFIT_MAX 16.0
 #define LOST_MISFIT 8.0
 #define GOOD_MISFIT 3.0
+#define RETURN_RADIUS_M 12.0
+#define RETURN_MISFIT 5.0
+#define RETURN_AFTER_M 25.0
+#define RETURN_TURN_RAD 0.6
+#define RETRY_M 5.0
 #define MODES_MAX 96
 #define HOPS_MAX 24
 
@@ -159,18 +164,30 @@ static void seed_candidates(struct match *match, const struct candidate *from, u
 	}
 }
 
+static bool place_by_heading(
+	struct match *match, struct dvec2 at_m, double radius_m, double turn_rad, int32_t heading_bam)
+{
+	struct candidate candidates[64];
+	uint32_t count = candidates_near(match, at_m, radius_m, turn_rad, heading_bam, candidates);
+	if (!count)
+		return false;
+	seed_candidates(match, candidates, count, 2.0 + 0.1 * radius_m, true, heading_bam);
+	forget(match);
+	match->located = match->on_street = true;
+	match->half = PKG_NONE;
+	estimate(match, &no_hints);
+	return true;
+}
+
 bool match_place_near(struct match *match, struct dvec2 at_m, double radius_m, bool heading_known, int32_t heading_bam)
 {
 	struct candidate candidates[64];
-	uint32_t count = 0;
-	if (heading_known)
-		count = candidates_near(match, at_m, radius_m, BLVD_PI / 3.0, heading_bam, candidates);
-	bool by_heading = count > 0;
-	if (!count)
-		count = candidates_near(match, at_m, radius_m, 4.0, heading_bam, candidates);
+	if (heading_known && place_by_heading(match, at_m, radius_m, BLVD_PI / 3.0, heading_bam))
+		return true;
+	uint32_t count = candidates_near(match, at_m, radius_m, 4.0, heading_bam, candidates);
 	if (!count)
 		return false;
-	seed_candidates(match, candidates, count, 2.0 + 0.1 * radius_m, by_heading, heading_bam);
+	seed_candidates(match, candidates, count, 2.0 + 0.1 * radius_m, false, heading_bam);
 	forget(match);
 	match->located = match->on_street = true;
 	match->half = PKG_NONE;
@@ -524,32 +541,43 @@ static void follow_misfit(struct match *match, double moved_m)
 
 /* --- leaving the street and coming back --- */
 
+/* Beside the streets: now and then a street near the reckoned place that runs the way the car is heading is tried;
+ * when it fits for a while and the reckoned place has stayed beside it, the car is on it. */
+static void try_return(struct match *match, const struct reckon *reckon, double moved_m)
+{
+	struct dvec2 at = { (double)reckon->pos_mm[0] * 1e-3, (double)reckon->pos_mm[1] * 1e-3 };
+	double radius = fmin(RETURN_RADIUS_M + 0.03 * match->off_street_m, 60.0);
+	match->off_street_m += moved_m;
+	if (match->trying && match->misfit < RETURN_MISFIT) {
+		struct dvec3 street = graph_at(match->graph, match->half, match->along_m).at_m;
+		if (hypot(street.x - at.x, street.y - at.y) > radius + 8.0)
+			match->trying = false;
+		else if (match->misfit_m > RETURN_AFTER_M && match->misfit < GOOD_MISFIT)
+			match->on_street = true;
+		return;
+	}
+	match->trying = false;
+	match->retry_m += moved_m;
+	if (match->retry_m < RETRY_M)
+		return;
+	match->retry_m = 0.0;
+	uint32_t half = match->half;
+	match->trying = place_by_heading(match, at, radius, RETURN_TURN_RAD, reckon->heading_bam);
+	if (!match->trying)
+		match->half = half;
+	match->on_street = false;
+}
+
 static void leave_and_return(struct match *match, const struct reckon *reckon, double moved_m)
 {
-	if (match->on_street) {
-		match->off_street_m = 0.0;
-		if (match->misfit > LOST_MISFIT && match->misfit_m > 15.0) {
-			match->on_street = false;
-			match->good_m = 0.0;
-		}
-		if (match->on_street)
-			return;
-	}
-	match->off_street_m += moved_m;
-	match->good_m = match->misfit < GOOD_MISFIT ? match->good_m + moved_m : 0.0;
-	if (match->good_m > 25.0) {
-		match->on_street = true;
+	if (!match->on_street) {
+		try_return(match, reckon, moved_m);
 		return;
 	}
-	if (match->misfit < LOST_MISFIT && match->misfit_m < 30.0 + 0.2 * match->off_street_m)
+	if (match->misfit <= LOST_MISFIT || match->misfit_m < 15.0)
 		return;
-	struct dvec2 at = { (double)reckon->pos_mm[0] * 1e-3, (double)reckon->pos_mm[1] * 1e-3 };
-	double radius = fmin(15.0 + 0.05 * match->off_street_m, 80.0);
-	uint32_t half = match->half;
-	if (match->misfit >= GOOD_MISFIT && match_place_near(match, at, radius, true, reckon->heading_bam))
-		match->on_street = false;
-	else if (match->misfit >= GOOD_MISFIT)
-		match->half = half;
+	match->on_street = match->trying = false;
+	match->off_street_m = match->retry_m = 0.0;
 }
 
 static void step_particles(struct match *match, const struct reckon *reckon, const struct match_hints *hints)
@@ -608,6 +636,8 @@ void match_gnss(struct match *match, const struct reckon *reckon, struct dvec2 a
 		match_place_near(match, at_m, 8.0 * sigma, true, reckon->heading_bam);
 		return;
 	}
+	if (!match->on_street)
+		return;
 	if (match->gnss_far)
 		return;
 	for (uint32_t i = 0; i < match->count; i++) {

@@ -50,7 +50,8 @@ struct match {
 	double misfit;       /* smoothed over the last 20 m; above 8 the street does not fit */
 	double misfit_m;     /* travelled since the last placing, up to 1e6 */
 	double off_street_m; /* travelled since the street was lost */
-	double good_m;       /* fitting again for this long */
+	bool trying;         /* off the street, and the particles are on one that may be it */
+	double retry_m;      /* travelled since the last try */
 
 	/* the estimate, after each update */
 	bool located;

@@ -19,6 +19,8 @@
 #define ARRIVED_M 20.0
 #define HEADING_SIGMA 0.03
 #define LESSON_S 4.0
+#define STRETCH_M 150.0
+#define STRETCH_TURN_RAD 0.35
 
 size_t nav_bytes(const struct pkg_graph *net, const struct nav_config *config)
 {
@@ -32,7 +34,7 @@ size_t nav_bytes(const struct pkg_graph *net, const struct nav_config *config)
 
 int nav_init(struct nav *nav, struct arena *arena, const struct pkg *pkg, const struct nav_config *config)
 {
-	*nav = (struct nav){ .pkg = pkg, .config = *config, .failed_m = -1.0 };
+	*nav = (struct nav){ .pkg = pkg, .config = *config, .failed_m = -1.0, .stretch_turn_rad = -1.0 };
 	if (!nav->config.settle_per_update)
 		nav->config.settle_per_update = SETTLE_PER_UPDATE;
 	bool right_hand = !pkg->meta || pkg->meta->right_hand_traffic;
@@ -128,6 +130,21 @@ bool nav_set_start_half(struct nav *nav, uint32_t half, double along_m)
 	return true;
 }
 
+/* Straight stretches between fixes tell how far the car really went. */
+static void learn_scale(struct nav *nav, struct dvec2 at, double sigma_m)
+{
+	if (nav->stretch_turn_rad >= 0.0 && nav->stretch_turn_rad < STRETCH_TURN_RAD && nav->stretch_m < STRETCH_M)
+		return;
+	if (nav->stretch_turn_rad >= 0.0 && nav->stretch_turn_rad < STRETCH_TURN_RAD) {
+		double true_m = hypot(at.x - nav->stretch_at.x, at.y - nav->stretch_at.y);
+		/* Not a wild fix: nobody's speed is a tenth wrong. */
+		if (fabs(true_m - nav->stretch_m) < 0.1 * nav->stretch_m)
+			reckon_distance_reference(&nav->reckon, true_m, nav->stretch_m, 1.5 * sigma_m);
+	}
+	nav->stretch_at = at;
+	nav->stretch_m = nav->stretch_turn_rad = 0.0;
+}
+
 /* The first fix says where we are, later ones help the matching. */
 static void take_fix(struct nav *nav, const struct nav_input *input)
 {
@@ -146,6 +163,7 @@ static void take_fix(struct nav *nav, const struct nav_input *input)
 	}
 	if (nav->config.ignore_gnss)
 		return;
+	learn_scale(nav, at, sigma);
 	uint32_t half = nav->match.half;
 	match_gnss(&nav->match, &nav->reckon, at, sigma);
 	if (!nav->match.on_street && !nav->reckon.still_s) {
@@ -350,6 +368,8 @@ void nav_advance(struct nav *nav, const struct nav_input *input, int64_t now_ns)
 {
 	struct reckon_step step = reckon_update(&nav->reckon, &input->motion, now_ns);
 	take_heading(nav, input);
+	nav->stretch_m += step.distance_m;
+	nav->stretch_turn_rad += nav->stretch_turn_rad >= 0.0 ? fabs(step.turn_rad) + (step.gap ? 1.0 : 0.0) : 0.0;
 	struct match_hints hints = hints_for(nav, input);
 	match_update(&nav->match, &nav->reckon, &step, input->motion.yaw_valid, &hints);
 	take_fix(nav, input);

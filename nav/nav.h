@@ -64,6 +64,9 @@ struct nav {
 	double learn_s, learn_rad; /* heading corrections since the last lesson in bias */
 	uint32_t fix_number;
 	bool fix_used;
+	/* stretch between two fixes that teaches the speed's scale */
+	struct dvec2 stretch_at;
+	double stretch_m, stretch_turn_rad; /* travelled and turned since; stretch_turn_rad < 0: none begun */
 	bool heading_known;
 	double height_m;
 };

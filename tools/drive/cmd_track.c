@@ -111,7 +111,9 @@ static void print_result(const struct track_result *r, bool city, bool truth)
 
 static int run(const struct arguments *arguments, const struct car *car, const struct pkg *pkg)
 {
-	struct track_options options = { .log = arguments->log, .use_gnss = arguments->gnss, .free = arguments->free, .step_s = arguments->step_s };
+	struct track_options options = {
+		.log = arguments->log, .use_gnss = arguments->gnss, .free = arguments->free, .step_s = arguments->step_s
+	};
 	struct truth truth = { 0 };
 	struct track_result result;
 	options.pkg = arguments->city ? pkg : NULL;

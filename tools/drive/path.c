@@ -391,8 +391,11 @@ static void add_headings(struct drive_path *path)
 
 void path_build(const struct drive *drive, struct drive_path *out)
 {
-	line corners = { 0 }, rounded = { 0 }, even = { 0 }, smoothed = { 0 }, last = { 0 };
-	lay_out(drive, &corners);
+	line laid = { 0 }, corners = { 0 }, rounded = { 0 }, even = { 0 }, smoothed = { 0 }, last = { 0 };
+	lay_out(drive, &laid);
+	/* Nodes on a straight street are no corners: without them there is more room for the arcs. */
+	ARRAY_PUSH(&corners, laid.items[0]);
+	simplify(&laid, 0, laid.count - 1, &corners);
 	round_corners(&corners, &rounded);
 	resample(&rounded, &even);
 	smooth(&even, &smoothed);
@@ -401,6 +404,7 @@ void path_build(const struct drive *drive, struct drive_path *out)
 		ARRAY_PUSH(&out->points, (struct drive_point){ .at = { last.items[i].x, last.items[i].y, 0.0 } });
 	tie_to_route(drive, out);
 	add_headings(out);
+	ARRAY_FINISH(&laid);
 	ARRAY_FINISH(&corners);
 	ARRAY_FINISH(&rounded);
 	ARRAY_FINISH(&even);

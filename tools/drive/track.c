@@ -13,7 +13,7 @@
 
 #define FRAMES_MAX 256
 #define HOPS 6
-#define SLACK_M 15.0
+#define SLACK_M 12.0
 #define STRETCH_M 1000.0
 #define ALIGN_M 150.0
 #define DEG (180.0 / BLVD_PI)
@@ -80,11 +80,14 @@ static bool leads_to(
 	return false;
 }
 
-bool track_same_place(
-	const struct graph *graph, uint32_t half, double along_m, const struct truth_row *truth, double slack_m)
+bool track_same_place(const struct graph *graph, uint32_t half, double along_m, const struct truth_row *truth)
 {
-	return half == truth->half || leads_to(graph, half, along_m, truth->half, truth->along_m, slack_m, HOPS) ||
-		   leads_to(graph, truth->half, truth->along_m, half, along_m, slack_m, HOPS);
+	if (half == truth->half)
+		return true;
+	struct dvec3 a = graph_at(graph, half, along_m).at_m, b = graph_at(graph, truth->half, truth->along_m).at_m;
+	return hypot(a.x - b.x, a.y - b.y) <= SLACK_M &&
+		   (leads_to(graph, half, along_m, truth->half, truth->along_m, 2.0 * SLACK_M, HOPS) ||
+			   leads_to(graph, truth->half, truth->along_m, half, along_m, 2.0 * SLACK_M, HOPS));
 }
 
 /* --- the run --- */
@@ -139,7 +142,7 @@ static void compare_truth(struct run *run, const struct nav_view *view, double t
 	struct track_result *out = run->out;
 	double moved = row->speed_mps * (time_s - run->last_s);
 	run->last_s = time_s;
-	bool right = view->on_street && track_same_place(&run->nav.graph, view->half, view->along_m, row, SLACK_M);
+	bool right = view->on_street && track_same_place(&run->nav.graph, view->half, view->along_m, row);
 	out->samples++;
 	out->right += right;
 	out->exact += view->half == row->half;

@@ -28,17 +28,16 @@ struct truth {
 int truth_read(struct truth *out, const char *path, const struct pkg_graph *net);
 void truth_finish(struct truth *truth);
 
-/* Tells whether a matched place is the true one: the same half-edge, or one that is at most `slack_m` of driving before
- * or after it. */
-bool track_same_place(
-	const struct graph *graph, uint32_t half, double along_m, const struct truth_row *truth, double slack_m);
+/* Tells whether a matched place is the true one: the same half-edge, or, since nobody can say when exactly a car in a
+ * junction changes streets, one before or after it on a way of at most 24 m, no farther than 12 m as the crow flies. */
+bool track_same_place(const struct graph *graph, uint32_t half, double along_m, const struct truth_row *truth);
 
 struct track_options {
 	const char *log;
 	const struct pkg *pkg;     /* NULL: dead reckoning alone */
 	const struct truth *truth; /* NULL: none */
 	bool use_gnss;
-	bool free; /* no route: what the bus asks for is not heard */
+	bool free;     /* no route: what the bus asks for is not heard */
 	double step_s; /* between updates; 0: 0.02 */
 	FILE *trace;   /* CSV of what the navigator said; NULL none */
 };
