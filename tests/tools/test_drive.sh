@@ -24,7 +24,7 @@ plausible() {
 		m = sqrt(($2 - e) ^ 2 + ($3 - n) ^ 2) - 0.5 * ($6 + v) * dt; if (m < 0) m = -m; if (m > jump) jump = m
 	} { t = $1; e = $2; n = $3; h = $5; v = $6 }
 	END { printf "yaw %.1f deg/s, acceleration %.1f m/s2, jump %.3f m\n", yaw, acc, jump
-		exit !(yaw < 75 && acc < 6 && jump < 0.1) }' "$1"
+		exit !(yaw < 60 && acc < 6 && jump < 0.1) }' "$1"
 }
 
 city() {
@@ -47,8 +47,8 @@ city() {
 	cmp "$dir/b" "$dir/c" || fail "$name: not the same twice"
 }
 
-city rome "$data/city/tiny/rome-piazza-vittorio.osm.pbf" 1 2 3
-city geneva "$data/city/geneva/geneva.osm.pbf" 1 2
+city rome "$data/city/tiny/rome-piazza-vittorio.osm.pbf" 1 2 3 5
+city geneva "$data/city/geneva/geneva.osm.pbf" 1 3
 city sf "$data/city/sf-downtown/sf-downtown.osm.pbf" 1 2
 city monaco "$data/city/monaco/monaco-2023-tilemaker.osm.pbf" 1 2
 

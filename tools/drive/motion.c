@@ -6,6 +6,7 @@
 #include "tools/drive/drive.h"
 
 #define LATERAL_MPS2 2.0
+#define YAW_RPS 0.75 /* nobody whirls, however tight the corner */
 #define BRAKE_MPS2 1.7
 #define START_S 3.0 /* standing at both ends */
 #define END_S 4.0
@@ -32,7 +33,7 @@ static void limit_by_street(const struct drive *drive, const struct drive_path *
 		limit[i] = kmh / 3.6 * (0.86 + 0.12 * (double)(key >> 40) / 16777216.0);
 		double curve = fabs(point->curvature);
 		if (curve > 1e-4)
-			limit[i] = fmin(limit[i], fmax(sqrt(LATERAL_MPS2 / curve), 1.4));
+			limit[i] = fmin(limit[i], fmax(fmin(sqrt(LATERAL_MPS2 / curve), YAW_RPS / curve), 0.7));
 	}
 }
 
