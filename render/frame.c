@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "platform/base/clock.h"
@@ -22,6 +23,7 @@
 #define DEFAULT_FAR_M 6000.0
 #define DEFAULT_FOV_DEG 45.0
 #define SPLIT_M 150.0
+#define JUMP_MM 200000
 #define SEE_AHEAD_M 180.0 /* of the route, past buildings */
 #define SEE_BEHIND_M 30.0 /* the next manoeuvre */
 /* 21 June 2024, 08:30 UTC less the longitude: late morning, long light from the south-east */
@@ -42,7 +44,8 @@ struct renderer {
 	struct obstacles obstacles;
 	struct view view;
 	struct light_state light;
-	bool primed; /* the first frame has loaded all that it wanted */
+	bool primed;          /* the first frame has loaded all that it wanted */
+	int64_t loaded_mm[3]; /* the eye when last loaded for */
 };
 
 static struct renderer_config with_defaults(const struct renderer_config *given)
@@ -202,10 +205,16 @@ static void write_frame_block(struct renderer *renderer, const struct renderer_t
 	gfx_buffer_write(renderer->gfx, renderer->frame_block, 0, &block, sizeof(block));
 }
 
+/* After a jump of the eye the frame waits for what it wants; otherwise loading keeps to its slice. */
 static void load(struct renderer *renderer)
 {
-	uint64_t slice = renderer->primed ? renderer->config.upload_slice_bytes : UINT64_MAX;
-	near_mesh_load(&renderer->mesh, renderer->view.eye_mm, renderer->config.far_m, slice);
+	const int64_t *eye_mm = renderer->view.eye_mm;
+	bool jumped = !renderer->primed;
+	for (int axis = 0; axis < 3; axis++)
+		jumped = jumped || llabs(eye_mm[axis] - renderer->loaded_mm[axis]) > JUMP_MM;
+	near_mesh_load(
+		&renderer->mesh, eye_mm, renderer->config.far_m, jumped ? UINT64_MAX : renderer->config.upload_slice_bytes);
+	memcpy(renderer->loaded_mm, eye_mm, sizeof(renderer->loaded_mm));
 	renderer->primed = true;
 }
 

@@ -67,7 +67,7 @@ vec3 water(vec3 body, vec3 to_eye, float distance_m)
 	float t = eye.w;
 	vec2 wave = cos(at * 0.9 + vec2(t * 0.7, t * 0.5)) + cos(at.yx * vec2(1.7, -1.3) + vec2(-t * 0.9, t * 1.1));
 	wave += 0.5 * cos(dot(at, vec2(3.1, 2.3)) + t * 1.7);
-	float calm = 0.028 / (1.0 + distance_m * 0.012);
+	float calm = 0.028 / (1.0 + distance_m * 0.03); // seen flat, waves are less than a pixel
 	vec3 n = normalize(vec3(wave * calm, 1.0));
 	vec3 r = reflect(-to_eye, n);
 	vec3 sky = mix(haze.rgb, zenith.rgb, clamp(r.z * 1.6, 0.0, 1.0));
