@@ -491,6 +491,16 @@ static struct dvec2 ridge_place(const struct roof *roof, double share)
 	return dvec2_add(p, dvec2_scale(dvec2_sub(q, p), share));
 }
 
+static bool stands_clear(const struct massing *m, struct dvec2 at, double room)
+{
+	for (int i = 0; i < 4; i++) {
+		struct dvec2 corner = { at.x + (i & 1 ? room : -room), at.y + (i & 2 ? room : -room) };
+		if (!polygon_contains(&m->building->footprint, corner))
+			return false;
+	}
+	return true;
+}
+
 static void draw_chimney(struct roof *roof)
 {
 	struct massing *m = roof->m;
@@ -498,12 +508,15 @@ static void draw_chimney(struct roof *roof)
 	bool home = kind == BUILDING_HOUSE || kind == BUILDING_APARTMENTS || kind == BUILDING_RETAIL;
 	if (!home || m->area < 45.0 || (m->hash >> 20) % 100 >= 70 || m->skeleton.t_max < 2.0 || m->top - m->ground < 4.0)
 		return;
-	int count = m->area > 260.0 ? 2 : 1;
+	double ridge_m = dvec2_length(dvec2_sub(ridge_place(roof, 0.0), ridge_place(roof, 1.0)));
+	int count = m->area > 260.0 && ridge_m > 6.0 ? 2 : 1;
 	for (int i = 0; i < count; i++) {
 		uint64_t hash = hash_u64(m->hash + (uint64_t)i + 3);
 		struct dvec2 ridge = m->plot->axis, across = { -ridge.y, ridge.x };
 		struct dvec2 at = ridge_place(roof, 0.2 + 0.3 * (double)(hash % 100) / 100.0 + 0.4 * i);
 		at = dvec2_add(at, dvec2_scale(across, hash >> 9 & 1 ? 0.5 : -0.5));
+		if (!stands_clear(m, at, 0.8))
+			continue;
 		struct shell_box box = { .centre = at,
 			.along = ridge,
 			.length = 0.9,
