@@ -142,7 +142,9 @@ struct ground_plan {
 	ARRAY(struct road_event) events; /* by road, then along */
 	float *coverage;                 /* share of built ground in squares of COVERAGE_STEP_M, smoothed */
 	int32_t coverage_col0, coverage_row0, coverage_cols, coverage_rows;
-	struct dvec2 min, max; /* of the ground that is built */
+	struct face_locator *blocks; /* NULL without a graph */
+	float *block_share;          /* of built ground, by face */
+	struct dvec2 min, max;       /* of the ground that is built */
 	bool has_terrain;
 	bool from_ways; /* no graph: drivable ways are roads too */
 };
@@ -170,11 +172,16 @@ void ground_plan_finish(struct ground_plan *plan);
 /* Is the place on a carriageway of the ground, or within `margin_m` of one? Roads of `except` (an edge) do not count.
  */
 bool ground_on_road(const struct ground_plan *plan, struct dvec2 at, double margin_m, uint32_t except);
+/* The same for streets of any course whose surface is near the ground: nothing may stand there. */
+bool ground_on_any_road(const struct ground_plan *plan, struct dvec2 at, double margin_m);
 /* The same for what is walked on, cycled on or railed. */
 bool ground_on_path(const struct ground_plan *plan, struct dvec2 at, double margin_m);
 /* Is the place inside a footprint that reaches the ground? */
 bool ground_in_building(const struct ground_plan *plan, struct dvec2 at);
+/* Is the neighbourhood? */
 bool ground_is_built_up(const struct ground_plan *plan, struct dvec2 at);
+/* Is the block around the place? A whole block answers the same, but for blocks too small or too large to tell. */
+bool ground_block_is_built_up(const struct ground_plan *plan, struct dvec2 at);
 /* The area of a kind that contains the place, or NULL. */
 const struct ground_area *ground_area_at(const struct ground_plan *plan, struct dvec2 at, enum ground_region region);
 /* The area that shows at a place where no road or path is, or NULL. */

@@ -41,7 +41,7 @@ static size_t passes_at(const struct ground_plan *plan, struct dvec2 at, struct 
 		double t = fmin(fmax(dvec2_dot(p, d) / fmax(dvec2_dot(d, d), 1e-9), 0.0), 1.0);
 		struct pass pass = { segment.road, road->along[segment.point] + t * dvec2_length(d),
 			dvec2_length(dvec2_sub(p, dvec2_scale(d, t))) };
-		if (road->edge == PKG_NONE || pass.distance_m > SNAP_M)
+		if (road->edge == PKG_NONE || road->course == ROAD_CUT || pass.distance_m > SNAP_M)
 			continue;
 		size_t k = 0;
 		while (k < count && out[k].road != pass.road)

@@ -63,22 +63,22 @@ static bool lamp_style_of(const struct ground_plan *plan, const struct road *roa
 	switch (road->street_class) {
 	case PKG_STREET_MOTORWAY:
 	case PKG_STREET_TRUNK:
-		*style = (struct lamp_style){ 45.0, 10.0, 2.2, 20.0, false };
+		*style = (struct lamp_style){ 45.0, 10.0, 2.2, 24.0, false };
 		return lit;
 	case PKG_STREET_PRIMARY:
 	case PKG_STREET_SECONDARY:
-		*style = (struct lamp_style){ 34.0, 8.5, 1.8, 17.0, true };
+		*style = (struct lamp_style){ 34.0, 8.5, 1.8, 22.0, true };
 		return true;
 	case PKG_STREET_TERTIARY:
 	case PKG_STREET_UNCLASSIFIED:
-		*style = (struct lamp_style){ 32.0, 7.0, 1.3, 15.0, false };
+		*style = (struct lamp_style){ 32.0, 7.0, 1.3, 20.0, false };
 		return true;
 	case PKG_STREET_RESIDENTIAL:
 	case PKG_STREET_LIVING:
-		*style = (struct lamp_style){ 30.0, 5.5, 0.8, 13.0, false };
+		*style = (struct lamp_style){ 30.0, 5.5, 0.8, 18.0, false };
 		return true;
 	default:
-		*style = (struct lamp_style){ 35.0, 5.0, 0.6, 12.0, false };
+		*style = (struct lamp_style){ 35.0, 5.0, 0.6, 15.0, false };
 		return lit;
 	}
 }
@@ -109,7 +109,7 @@ static bool lamp_fits(const struct ground_plan *plan, const struct road *road, s
 {
 	if (road->course != ROAD_GROUND)
 		return true;
-	return !ground_on_road(plan, at, 0.35, PKG_NONE) && !ground_in_building(plan, at) &&
+	return !ground_on_any_road(plan, at, 0.35) && !ground_in_building(plan, at) &&
 		   !ground_area_at(plan, at, REGION_WATER);
 }
 

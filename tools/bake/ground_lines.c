@@ -78,7 +78,7 @@ void ground_lines_build(const struct ground_plan *plan, struct soup *soup)
 				struct dvec2 from = dvec2_add(a, dvec2_scale(dvec2_sub(b, a), (double)p / pieces));
 				struct dvec2 to = dvec2_add(a, dvec2_scale(dvec2_sub(b, a), (double)(p + 1) / pieces));
 				/* a gate: walls stop where streets pass */
-				if (ground_on_road(plan, dvec2_scale(dvec2_add(from, to), 0.5), 0.0, PKG_NONE))
+				if (ground_on_any_road(plan, dvec2_scale(dvec2_add(from, to), 0.5), 0.0))
 					continue;
 				if (line->kind == LINE_FENCE)
 					soup_railing(soup, on_ground(plan->city, from), on_ground(plan->city, to), size.height_m);

@@ -247,9 +247,11 @@ static void lay_crossing(struct marker *marker, double along)
 	if (road->street_class > PKG_STREET_LIVING || bars < 2 || s1 - s0 < 1.0)
 		return;
 	choose_paint(marker, marker->rules == RULES_YELLOW_CROSSINGS);
+	/* at a joint of edges the next one is no other street */
+	double inside = fmin(fmax(along, 0.9), road_length(road) - 0.9);
 	for (int i = 0; i < bars; i++) {
 		double low = first + 2.0 * BAR_M * i;
-		if (is_free(marker, along, low + BAR_M / 2.0))
+		if (is_free(marker, inside, low + BAR_M / 2.0))
 			lay_strip(marker, s0, s1, low, low + BAR_M);
 	}
 }

@@ -4,12 +4,17 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "tools/city/graph.h"
+
 #define MARGIN_M 260.0 /* of ground beyond the city's bounds */
 #define BUILDING_BIN_M 32.0
 #define SEGMENT_BIN_M 16.0
 #define COVERAGE_STEP_M 32.0
 #define BUILT_UP_SHARE 0.07
+#define SMALL_BLOCK_M2 2500.0
+#define LARGE_BLOCK_M2 120000.0
 #define POND_M2 2500.0
+#define HEADROOM_M 3.0           /* under a higher deck things may stand */
 #define FLAT_WATER_SPREAD_M 25.0 /* a shore that varies more is a river in the hills, and follows the ground */
 
 const struct region_look region_looks[REGION_COUNT] = {
@@ -102,6 +107,34 @@ bool ground_is_built_up(const struct ground_plan *plan, struct dvec2 at)
 	if (col < 0 || row < 0 || col >= plan->coverage_cols || row >= plan->coverage_rows)
 		return false;
 	return (double)plan->coverage[(size_t)row * (size_t)plan->coverage_cols + (size_t)col] > BUILT_UP_SHARE;
+}
+
+static void measure_blocks(struct ground_plan *plan)
+{
+	const struct pkg_graph *graph = plan->graph;
+	if (plan->from_ways || !graph->face_count)
+		return;
+	plan->blocks = face_locator_new(graph);
+	plan->block_share = POOL_ARRAY(&plan->pool, float, graph->face_count);
+	for (size_t i = 0; i < plan->city->buildings.count; i++) {
+		const struct building *building = &plan->city->buildings.items[i];
+		if (building->is_part || building->face >= graph->face_count || building->footprint.outer.count < 3)
+			continue;
+		double area = fmax(graph->faces[building->face].area_m2, 1.0);
+		plan->block_share[building->face] += (float)(footprint_area(building) / area);
+	}
+}
+
+bool ground_block_is_built_up(const struct ground_plan *plan, struct dvec2 at)
+{
+	uint32_t face =
+		plan->blocks ? face_locator_find(plan->blocks, llround(at.x * 1000.0), llround(at.y * 1000.0)) : PKG_NONE;
+	if (face == PKG_NONE)
+		return ground_is_built_up(plan, at);
+	double area = plan->graph->faces[face].area_m2;
+	if (area < SMALL_BLOCK_M2 || area > LARGE_BLOCK_M2)
+		return ground_is_built_up(plan, at);
+	return (double)plan->block_share[face] > BUILT_UP_SHARE;
 }
 
 static void bin_buildings(struct ground_plan *plan)
@@ -271,11 +304,11 @@ static void bin_roads(struct ground_plan *plan)
 		double reach = road->half_width_m + fmax(road->side_left_m, road->side_right_m) + 1.0;
 		bins_add(&plan->road_bins, (struct dvec2){ road->min.x - reach, road->min.y - reach },
 			(struct dvec2){ road->max.x + reach, road->max.y + reach }, i);
-		if (road->course != ROAD_GROUND)
+		if (road->course != ROAD_GROUND && road->edge == PKG_NONE)
 			continue;
 		for (uint32_t k = 0; k + 1 < road->count; k++) {
 			struct dvec3 a = road->points[k], b = road->points[k + 1];
-			double margin = road->half_width_m + 2.0;
+			double margin = road_structure_half_width(road) + 2.0;
 			ARRAY_PUSH(&plan->segments, (struct road_segment){ i, k });
 			bins_add(&plan->segment_bins, (struct dvec2){ fmin(a.x, b.x) - margin, fmin(a.y, b.y) - margin },
 				(struct dvec2){ fmax(a.x, b.x) + margin, fmax(a.y, b.y) + margin }, (uint32_t)plan->segments.count - 1);
@@ -311,8 +344,24 @@ bool ground_on_road(const struct ground_plan *plan, struct dvec2 at, double marg
 	for (size_t i = 0; i < near.count; i++) {
 		struct road_segment segment = plan->segments.items[near.entries[i].item];
 		const struct road *road = &plan->roads.items[segment.road];
-		if (region_is_road(road->region) && (except == PKG_NONE || road->edge != except) &&
-			near_segment(road, segment.point, at, margin_m))
+		if (road->course == ROAD_GROUND && region_is_road(road->region) &&
+			(except == PKG_NONE || road->edge != except) && near_segment(road, segment.point, at, margin_m))
+			return true;
+	}
+	return false;
+}
+
+bool ground_on_any_road(const struct ground_plan *plan, struct dvec2 at, double margin_m)
+{
+	struct bin_items near = bins_near(&plan->segment_bins, at);
+	double ground = city_ground(plan->city, at);
+	for (size_t i = 0; i < near.count; i++) {
+		struct road_segment segment = plan->segments.items[near.entries[i].item];
+		const struct road *road = &plan->roads.items[segment.road];
+		double side = road->course == ROAD_GROUND ? 0.0 : road_structure_half_width(road) - road->half_width_m;
+		double z = road->points[segment.point].z;
+		if (region_is_road(road->region) && (road->course == ROAD_GROUND || fabs(z - ground) < HEADROOM_M) &&
+			near_segment(road, segment.point, at, margin_m + side))
 			return true;
 	}
 	return false;
@@ -324,7 +373,8 @@ bool ground_on_path(const struct ground_plan *plan, struct dvec2 at, double marg
 	for (size_t i = 0; i < near.count; i++) {
 		struct road_segment segment = plan->segments.items[near.entries[i].item];
 		const struct road *road = &plan->roads.items[segment.road];
-		if (!region_is_road(road->region) && near_segment(road, segment.point, at, margin_m))
+		if (road->course == ROAD_GROUND && !region_is_road(road->region) &&
+			near_segment(road, segment.point, at, margin_m))
 			return true;
 	}
 	return false;
@@ -357,6 +407,7 @@ void ground_plan_build(struct ground_plan *plan, const struct city *city, const 
 	plan->max = (struct dvec2){ ceil((city->max.x + MARGIN_M) / MESH_TILE_M) * MESH_TILE_M,
 		ceil((city->max.y + MARGIN_M) / MESH_TILE_M) * MESH_TILE_M };
 	measure_coverage(plan);
+	measure_blocks(plan);
 	bin_buildings(plan);
 	collect_areas(plan);
 	bin_lines(plan);
@@ -367,6 +418,7 @@ void ground_plan_build(struct ground_plan *plan, const struct city *city, const 
 
 void ground_plan_finish(struct ground_plan *plan)
 {
+	face_locator_free(plan->blocks);
 	ARRAY_FINISH(&plan->roads);
 	ARRAY_FINISH(&plan->areas);
 	ARRAY_FINISH(&plan->corners);

@@ -291,6 +291,9 @@ static enum ground_region street_region(int street_class, const struct way *way)
 	enum way_surface surface = way ? way->surface : SURFACE_ASPHALT;
 	if (surface == SURFACE_GRAVEL || surface == SURFACE_GROUND)
 		return REGION_ROAD_GRAVEL;
+	/* paving on a main road is concrete */
+	if (surface == SURFACE_PAVED && street_class <= PKG_STREET_TERTIARY)
+		return REGION_ROAD_OLD;
 	if (surface == SURFACE_COBBLE || surface == SURFACE_PAVED)
 		return REGION_ROAD_COBBLE;
 	return street_class <= PKG_STREET_TERTIARY ? REGION_ROAD : REGION_ROAD_OLD;

@@ -163,10 +163,18 @@ static void cut_areas(struct tile *tile)
 	}
 }
 
+/* Nothing but level water, which needs no terrain. */
+static bool is_open_water(const struct tile *tile)
+{
+	const struct ground_area *area = ground_top_area(tile->plan, dvec2_scale(dvec2_add(tile->min, tile->max), 0.5));
+	bool uncut = tile->partition.cdt.points.count == 4;
+	return uncut && area && area->region == REGION_WATER && !isnan(area->water_z);
+}
+
 /* The terrain's squares and their diagonals, so that every triangle of the ground lies in one of the terrain's. */
 static void cut_terrain(struct tile *tile)
 {
-	if (!tile->plan->has_terrain)
+	if (!tile->plan->has_terrain || is_open_water(tile))
 		return;
 	const struct pkg_height_grid *grid = &tile->city->terrain.grid;
 	double step = grid->step_mm / 1000.0, x0 = grid->origin_mm[0] / 1000.0, y0 = grid->origin_mm[1] / 1000.0;
@@ -204,7 +212,7 @@ static struct surface surface_at(const struct tile *tile, struct dvec2 at)
 	const struct ground_area *area = ground_top_area(tile->plan, at);
 	if (area)
 		return (struct surface){ area->region, area->region == REGION_WATER ? area : NULL };
-	return (struct surface){ ground_is_built_up(tile->plan, at) ? REGION_YARD : REGION_OPEN, NULL };
+	return (struct surface){ ground_block_is_built_up(tile->plan, at) ? REGION_YARD : REGION_OPEN, NULL };
 }
 
 static uint32_t surface_index(struct tile *tile, struct surface surface)
@@ -404,7 +412,7 @@ static struct dvec2 left_of(const struct tile *tile, uint32_t a, uint32_t b)
 }
 
 /* The stone's inner corner at vertex v of the edge a -> b. */
-static struct dvec2 inner_corner(
+static struct dvec2 full_inner_corner(
 	const struct tile *tile, const struct border *borders, uint32_t v, uint32_t a, uint32_t b)
 {
 	struct dvec2 at = partition_vertex(&tile->partition, v), normal = left_of(tile, a, b);
@@ -419,10 +427,24 @@ static struct dvec2 inner_corner(
 	return dvec2_add(at, dvec2_scale(normal, KERB_STONE_M));
 }
 
-static void emit_stone(struct tile *tile, const struct border *borders, uint32_t a, uint32_t b)
+/* The same, nearer to the border where the raised ground is narrower than a stone. `t` lies at the edge. */
+static struct dvec2 inner_corner(
+	const struct tile *tile, const struct border *borders, uint32_t v, uint32_t a, uint32_t b, uint32_t t)
+{
+	struct dvec2 from = partition_vertex(&tile->partition, v), to = full_inner_corner(tile, borders, v, a, b);
+	for (int halving = 0; halving < 3; halving++) {
+		uint32_t there = partition_triangle_at(&tile->partition, t, to);
+		if (there == CDT_NONE || !region_is_road(surface_of(tile, there)->region))
+			return to;
+		to = dvec2_scale(dvec2_add(from, to), 0.5);
+	}
+	return from;
+}
+
+static void emit_stone(struct tile *tile, const struct border *borders, uint32_t a, uint32_t b, uint32_t t)
 {
 	const struct dvec2 corners[4] = { partition_vertex(&tile->partition, a), partition_vertex(&tile->partition, b),
-		inner_corner(tile, borders, b, a, b), inner_corner(tile, borders, a, a, b) };
+		inner_corner(tile, borders, b, a, b, t), inner_corner(tile, borders, a, a, b, t) };
 	uint32_t at[4];
 	for (int i = 0; i < 4; i++) {
 		struct mesh_vertex vertex =
@@ -448,7 +470,7 @@ static void emit_kerb_stones(struct tile *tile)
 					continue;
 				edge_ends(tile, t, i, ends);
 				if (pass)
-					emit_stone(tile, borders, ends[0], ends[1]);
+					emit_stone(tile, borders, ends[0], ends[1], t);
 				else
 					link_border(borders, ends[0], ends[1]);
 			}
@@ -527,9 +549,9 @@ void ground_tile_build(const struct ground_plan *plan, GEOSContextHandle_t geos,
 	tile.max = (struct dvec2){ tile.min.x + MESH_TILE_M, tile.min.y + MESH_TILE_M };
 	collect_outlines(&tile);
 	partition_begin(&tile.partition, tile.min, tile.max);
-	cut_terrain(&tile);
 	cut_outlines(&tile);
 	cut_areas(&tile);
+	cut_terrain(&tile);
 	partition_faces(&tile.partition);
 	faults->mended += tile.partition.cdt.dropped;
 	for (size_t i = 0; i < tile.partition.faces.count; i++)

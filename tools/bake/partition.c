@@ -143,10 +143,9 @@ void partition_faces(struct partition *partition)
 }
 
 /* Walks towards the place; a constrained triangulation may let the walk circle, so the side tried first turns. */
-static uint32_t triangle_at(const struct partition *partition, struct cdt_point at)
+static uint32_t walk_to(const struct partition *partition, uint32_t t, struct cdt_point at)
 {
 	const struct cdt *cdt = &partition->cdt;
-	uint32_t t = 0;
 	for (size_t step = 0; step < 64 + 4 * cdt->triangles.count; step++) {
 		const struct cdt_triangle *triangle = &cdt->triangles.items[t];
 		uint32_t next = CDT_NONE;
@@ -163,10 +162,15 @@ static uint32_t triangle_at(const struct partition *partition, struct cdt_point 
 	return CDT_NONE;
 }
 
-uint32_t partition_face_at(const struct partition *partition, struct dvec2 at)
+uint32_t partition_triangle_at(const struct partition *partition, uint32_t start, struct dvec2 at)
 {
 	if (at.x < partition->min.x || at.x > partition->max.x || at.y < partition->min.y || at.y > partition->max.y)
 		return CDT_NONE;
-	uint32_t t = triangle_at(partition, to_lattice(partition, at));
+	return walk_to(partition, start, to_lattice(partition, at));
+}
+
+uint32_t partition_face_at(const struct partition *partition, struct dvec2 at)
+{
+	uint32_t t = partition_triangle_at(partition, 0, at);
 	return t == CDT_NONE ? CDT_NONE : partition->face_of.items[t];
 }

@@ -37,6 +37,8 @@ void partition_cut_line(struct partition *partition, const struct dvec2 *points,
 void partition_faces(struct partition *partition);
 
 struct dvec2 partition_vertex(const struct partition *partition, uint32_t vertex);
+/* The triangle at a place, or CDT_NONE outside; found fast when it is near triangle `start`. */
+uint32_t partition_triangle_at(const struct partition *partition, uint32_t start, struct dvec2 at);
 /* The face at a place, or CDT_NONE outside. */
 uint32_t partition_face_at(const struct partition *partition, struct dvec2 at);
 

@@ -183,7 +183,7 @@ static void add_tree(struct mesh_sink *sink, const struct city *city, const stru
 
 static bool may_stand(const struct ground_plan *plan, struct dvec2 at, double clearance)
 {
-	return !ground_on_road(plan, at, clearance, PKG_NONE) && !ground_in_building(plan, at) &&
+	return !ground_on_any_road(plan, at, clearance) && !ground_in_building(plan, at) &&
 		   !ground_area_at(plan, at, REGION_WATER);
 }
 
