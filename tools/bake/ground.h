@@ -180,8 +180,9 @@ bool ground_on_path(const struct ground_plan *plan, struct dvec2 at, double marg
 bool ground_in_building(const struct ground_plan *plan, struct dvec2 at);
 /* Is the neighbourhood? */
 bool ground_is_built_up(const struct ground_plan *plan, struct dvec2 at);
-/* Is the block around the place? A whole block answers the same, but for blocks too small or too large to tell. */
-bool ground_block_is_built_up(const struct ground_plan *plan, struct dvec2 at);
+/* Are the yards of the block around the place paved, rather than gardens? A whole block answers the same, but for
+ * blocks too small or too large to tell. */
+bool ground_block_is_paved(const struct ground_plan *plan, struct dvec2 at);
 /* The area of a kind that contains the place, or NULL. */
 const struct ground_area *ground_area_at(const struct ground_plan *plan, struct dvec2 at, enum ground_region region);
 /* The area that shows at a place where no road or path is, or NULL. */

@@ -10,7 +10,8 @@
 #define BUILDING_BIN_M 32.0
 #define SEGMENT_BIN_M 16.0
 #define COVERAGE_STEP_M 32.0
-#define BUILT_UP_SHARE 0.07
+#define BUILT_UP_SHARE 0.07 /* of the ground under buildings: sidewalks, lamps */
+#define PAVED_SHARE 0.24    /* courtyards; less are gardens */
 #define SMALL_BLOCK_M2 2500.0
 #define LARGE_BLOCK_M2 120000.0
 #define POND_M2 2500.0
@@ -100,15 +101,6 @@ static void measure_coverage(struct ground_plan *plan)
 	blur_coverage(plan);
 }
 
-bool ground_is_built_up(const struct ground_plan *plan, struct dvec2 at)
-{
-	int32_t col = (int32_t)floor(at.x / COVERAGE_STEP_M) - plan->coverage_col0;
-	int32_t row = (int32_t)floor(at.y / COVERAGE_STEP_M) - plan->coverage_row0;
-	if (col < 0 || row < 0 || col >= plan->coverage_cols || row >= plan->coverage_rows)
-		return false;
-	return (double)plan->coverage[(size_t)row * (size_t)plan->coverage_cols + (size_t)col] > BUILT_UP_SHARE;
-}
-
 static void measure_blocks(struct ground_plan *plan)
 {
 	const struct pkg_graph *graph = plan->graph;
@@ -125,16 +117,27 @@ static void measure_blocks(struct ground_plan *plan)
 	}
 }
 
-bool ground_block_is_built_up(const struct ground_plan *plan, struct dvec2 at)
+static double coverage_at(const struct ground_plan *plan, struct dvec2 at)
+{
+	int32_t col = (int32_t)floor(at.x / COVERAGE_STEP_M) - plan->coverage_col0;
+	int32_t row = (int32_t)floor(at.y / COVERAGE_STEP_M) - plan->coverage_row0;
+	if (col < 0 || row < 0 || col >= plan->coverage_cols || row >= plan->coverage_rows)
+		return 0.0;
+	return (double)plan->coverage[(size_t)row * (size_t)plan->coverage_cols + (size_t)col];
+}
+
+bool ground_is_built_up(const struct ground_plan *plan, struct dvec2 at)
+{
+	return coverage_at(plan, at) > BUILT_UP_SHARE;
+}
+
+bool ground_block_is_paved(const struct ground_plan *plan, struct dvec2 at)
 {
 	uint32_t face =
 		plan->blocks ? face_locator_find(plan->blocks, llround(at.x * 1000.0), llround(at.y * 1000.0)) : PKG_NONE;
-	if (face == PKG_NONE)
-		return ground_is_built_up(plan, at);
-	double area = plan->graph->faces[face].area_m2;
-	if (area < SMALL_BLOCK_M2 || area > LARGE_BLOCK_M2)
-		return ground_is_built_up(plan, at);
-	return (double)plan->block_share[face] > BUILT_UP_SHARE;
+	double area = face == PKG_NONE ? 0.0 : plan->graph->faces[face].area_m2;
+	bool telling = area > SMALL_BLOCK_M2 && area < LARGE_BLOCK_M2;
+	return (telling ? (double)plan->block_share[face] : coverage_at(plan, at)) > PAVED_SHARE;
 }
 
 static void bin_buildings(struct ground_plan *plan)

@@ -212,7 +212,7 @@ static struct surface surface_at(const struct tile *tile, struct dvec2 at)
 	const struct ground_area *area = ground_top_area(tile->plan, at);
 	if (area)
 		return (struct surface){ area->region, area->region == REGION_WATER ? area : NULL };
-	return (struct surface){ ground_block_is_built_up(tile->plan, at) ? REGION_YARD : REGION_OPEN, NULL };
+	return (struct surface){ ground_block_is_paved(tile->plan, at) ? REGION_YARD : REGION_OPEN, NULL };
 }
 
 static uint32_t surface_index(struct tile *tile, struct surface surface)
