@@ -225,6 +225,11 @@ static void add_step(
 	memcpy(step->at_mm, city->nodes[city->halves[to].origin].pos_mm, sizeof(step->at_mm));
 }
 
+static int32_t turned(int32_t heading, double by_bam)
+{
+	return bam_from_rad(bam_to_rad(heading) + by_bam * (BLVD_PI / 2147483648.0));
+}
+
 /* Turns over the last 9 m before and the first 9 m after a corner. */
 static int32_t smooth_heading(
 	const struct overlay_city *city, const uint32_t *route, uint32_t count, uint32_t at, double along)
@@ -233,9 +238,9 @@ static int32_t smooth_heading(
 	int32_t own = heading_of(city, route[at]);
 	double left = length_of(city, route[at]) - along;
 	if (left < reach && at + 1 < count)
-		return own + (int32_t)(bam_diff(heading_of(city, route[at + 1]), own) * 0.5 * (1.0 - left / reach));
+		return turned(own, bam_diff(heading_of(city, route[at + 1]), own) * 0.5 * (1.0 - left / reach));
 	if (along < reach && at > 0)
-		return own + (int32_t)(bam_diff(heading_of(city, route[at - 1]), own) * 0.5 * (1.0 - along / reach));
+		return turned(own, bam_diff(heading_of(city, route[at - 1]), own) * 0.5 * (1.0 - along / reach));
 	return own;
 }
 
