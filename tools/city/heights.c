@@ -204,7 +204,8 @@ static double median_of(sample_array *samples, double *evidence)
 	*evidence = 0.0;
 	for (size_t i = 0; i < samples->count; i++)
 		*evidence += samples->items[i].weight;
-	qsort(samples->items, samples->count, sizeof(struct sample), by_height);
+	if (samples->count)
+		qsort(samples->items, samples->count, sizeof(struct sample), by_height);
 	double sum = 0.0;
 	for (size_t i = 0; i < samples->count; i++) {
 		sum += samples->items[i].weight;

@@ -223,15 +223,15 @@ static struct block *nearest(struct synth *synth, struct dvec2 to, unsigned uses
 	return best;
 }
 
-/* Takes the block: paves it, plants a ring of trees as far out as there is room. */
+/* Takes the block: paves it or lays a lawn, plants a ring of trees as far out as there is room. */
 static struct site take(
-	struct synth *synth, struct block *block, double radius_m, double least_scale, double most_scale)
+	struct synth *synth, struct block *block, bool paved, double radius_m, double least_scale, double most_scale)
 {
 	struct rng rng = synth_rng(synth, 60, block->face);
 	struct site site = { synth, block->middle, longest_side(&block->land.outer), 1.0 };
 	site.scale = fmin(fmax(block->room_m * 0.93 / radius_m, least_scale), most_scale);
 	block->use = BLOCK_LANDMARK;
-	area_write(synth, &block->land, "highway", "pedestrian", NULL);
+	area_write(synth, &block->land, paved ? "highway" : "leisure", paved ? "pedestrian" : "park", NULL);
 	double ring = block->room_m + 2.0, built = radius_m * site.scale + 5.0;
 	for (int i = 0; i < 26; i++) {
 		double angle = 2.0 * BLVD_PI * i / 26.0;
@@ -257,7 +257,7 @@ static void churches(struct synth *synth)
 			struct block *block = nearest(synth, (struct dvec2){ x, y }, uses, 17.0);
 			if (!block || dvec2_length(dvec2_sub(block->middle, (struct dvec2){ x, y })) > step * 0.5)
 				continue;
-			struct site site = take(synth, block, 20.0, 0.7, 1.15);
+			struct site site = take(synth, block, false, 20.0, 0.7, 1.15);
 			char name[64];
 			snprintf(name, sizeof(name), "%s Church", saints[count++ % 14]);
 			church(&site, name);
@@ -272,24 +272,24 @@ void landmarks_write(struct synth *synth)
 	double w = synth->options.width_m, h = synth->options.height_m;
 	struct block *block = nearest(synth, plan_place(plan, plan->old_middle.x, plan->old_middle.y), old, 13.0);
 	if (block) {
-		struct site site = take(synth, block, 33.0, 0.4, 1.25);
+		struct site site = take(synth, block, true, 33.0, 0.4, 1.25);
 		cathedral(&site, "St. Aurelia Cathedral");
 	}
 	block =
 		nearest(synth, plan_place(plan, plan->old_middle.x + plan->old_radius_m * 0.5, plan->old_middle.y), old, 11.0);
 	if (block) {
-		struct site site = take(synth, block, 20.0, 0.55, 1.2);
+		struct site site = take(synth, block, true, 20.0, 0.55, 1.2);
 		town_hall(&site);
 	}
 	block = nearest(
 		synth, plan_place(plan, plan->old_middle.x + plan->old_radius_m * 1.4, plan->quay_m + 60.0), town, 24.0);
 	if (block) {
-		struct site site = take(synth, block, 34.0, 0.7, 1.2);
+		struct site site = take(synth, block, true, 34.0, 0.7, 1.2);
 		opera(&site);
 	}
 	block = nearest(synth, (struct dvec2){ -0.30 * w, 0.30 * h }, town | 1u << BLOCK_VILLAS | 1u << BLOCK_PARK, 16.0);
 	if (block && fmin(w, h) > 700.0) {
-		struct site site = take(synth, block, 14.0, 1.0, 1.0);
+		struct site site = take(synth, block, false, 14.0, 1.0, 1.0);
 		television_tower(&site);
 	}
 	churches(synth);

@@ -38,7 +38,7 @@ static void add_piece(struct synth *synth, double from_t, double to_t, bool brid
 
 void railway_plan(struct synth *synth)
 {
-	double reach = synth->options.height_m / 2.0 + 200.0, half = bridge_half(&synth->plan);
+	double reach = synth->options.height_m / 2.0 + 500.0, half = bridge_half(&synth->plan);
 	int64_t id = INT64_C(1) << 43;
 	if (half > 0.0) {
 		add_piece(synth, -reach, -half, false, 0, id);
@@ -75,7 +75,7 @@ static void write_track(struct synth *synth, double aside, double from_t, double
 
 void railway_write(struct synth *synth)
 {
-	double reach = synth->options.height_m / 2.0 + 200.0, half = bridge_half(&synth->plan);
+	double reach = synth->options.height_m / 2.0 + 500.0, half = bridge_half(&synth->plan);
 	if (!synth->plan.railway)
 		return;
 	for (int side = -1; side <= 1; side += 2) {

@@ -8,7 +8,7 @@
 void river_write(struct synth *synth)
 {
 	const struct plan *plan = &synth->plan;
-	double reach = synth->options.width_m / 2.0 + 200.0;
+	double reach = synth->options.width_m / 2.0 + 900.0;
 	size_t steps = (size_t)ceil(2.0 * reach / STEP_M);
 	struct polygon water = { 0 };
 	if (!plan->river)

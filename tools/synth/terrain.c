@@ -13,7 +13,7 @@
 
 #define POSTS 512
 #define HILL_M 55.0
-#define BEYOND_M 300.0
+#define BEYOND_M 1200.0 /* a bake's ground goes on beyond the last street */
 
 /* A rounded hill in the north-west, level towards the river. */
 static double height_at(const struct synth *synth, struct dvec2 at)
