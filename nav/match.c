@@ -503,6 +503,8 @@ static void estimate(struct match *match, const struct match_hints *hints)
 {
 	struct mode modes[MODES_MAX];
 	uint32_t count = collect_modes(match, modes), best = 0;
+	if (!count)
+		return; /* no particles at all: a pool of 0 */
 	double total = 0.0, best_weight = 0.0;
 	for (uint32_t i = 0; i < count; i++) {
 		double weight = modes[i].half == match->half ? 1.15 * modes[i].weight : modes[i].weight;

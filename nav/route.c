@@ -11,6 +11,7 @@
 #define PARENT_START_TWIN (UINT32_MAX - 2)
 #define NOT_IN_HEAP UINT32_MAX
 #define COST_MAX (UINT32_MAX / 2)
+#define BOUND_MAX 5e8 /* ms, well below COST_MAX */
 
 #define PRIVATE_MS 600000u
 #define U_TURN_DEAD_END_MS 20000u
@@ -192,7 +193,7 @@ static uint32_t bound_ms(const struct route_search *search, uint32_t half, struc
 	const int32_t *at = search->graph->net->nodes[graph_origin(search->graph, half)].pos_mm;
 	double mm = hypot(goal_at.x * 1e3 - at[0], goal_at.y * 1e3 - at[1]);
 	/* Lengths along polylines are rounded to 1 mm a point, so the bound gives some away. */
-	return (uint32_t)fmin(fmax(mm - 100.0, 0.0) * 0.999 * 1000.0 / search->fastest_mm_s, COST_MAX / 4);
+	return (uint32_t)fmin(fmax(mm - 100.0, 0.0) * 0.999 * 1000.0 / search->fastest_mm_s, BOUND_MAX);
 }
 
 static void relax(struct route_search *search, uint32_t half, uint32_t cost, uint32_t parent, uint32_t bound)

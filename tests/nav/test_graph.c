@@ -32,7 +32,8 @@ static void both_halves_tell_the_same_place(void **state)
 	s->points[2].pos_mm[2] = 4000;
 	struct graph graph = make(streets_finish(s, true));
 	assert_near(graph_length_m(&graph, 0), 70.0, 1e-9);
-	for (double m = 0.0; m <= 70.0; m += 3.5) {
+	for (int i = 0; i <= 20; i++) {
+		double m = i * 3.5;
 		struct graph_pose p = graph_at(&graph, 0, m), q = graph_at(&graph, 1, 70.0 - m);
 		assert_near(p.at_m.x, q.at_m.x, 1e-9);
 		assert_near(p.at_m.y, q.at_m.y, 1e-9);

@@ -16,7 +16,8 @@ static struct streets *town(uint64_t seed)
 	struct streets *s = streets_new();
 	const uint32_t n = 9;
 	for (uint32_t i = 0; i < n * n; i++)
-		streets_node(s, (i % n) * 110.0 + rng_range(&rng, -25, 25), (double)(i / n) * 90.0 + rng_range(&rng, -20, 20));
+		streets_node(
+			s, (i % n) * 110.0 + rng_range(&rng, -25, 25), (i - i % n) * (90.0 / n) + rng_range(&rng, -20, 20));
 	for (uint32_t i = 0; i < n * n; i++) {
 		for (uint32_t k = 0; k < 2; k++) {
 			if (k ? i / n + 1 == n : i % n + 1 == n)

@@ -52,7 +52,7 @@ static struct streets *random_streets(struct rng *rng)
 static uint64_t plain_cost(struct route_place start, struct route_place stop)
 {
 	uint32_t halves = graph.net->half_count;
-	uint64_t *cost = malloc(halves * sizeof(*cost)), best = UINT64_MAX;
+	uint64_t *cost = calloc(halves, sizeof(*cost)), best = UINT64_MAX;
 	double start_length = graph_length_m(&graph, start.half);
 	for (uint32_t h = 0; h < halves; h++) {
 		uint32_t turn = route_turn_ms(&graph, start.half, h);

@@ -230,7 +230,7 @@ static void send_time(struct sender *sender)
 	struct message m;
 	if (!begin(sender, "GNSS_TIME", &m))
 		return;
-	put(&m, "UtcMilliseconds", floor((double)(sender->wall_ns / 1000000)));
+	put(&m, "UtcMilliseconds", floor((double)sender->wall_ns * 1e-6));
 	send(&m, 8);
 }
 
@@ -331,7 +331,7 @@ int bus_write(const struct drive *drive, struct drive_motion *motion, int log_fd
 
 double ambient_light(struct geo_point at, int64_t wall_ns)
 {
-	double days = ((double)(wall_ns / 1000000) * 1e-3 - 946728000.0) / 86400.0; /* since 2000-01-01 12:00 */
+	double days = ((double)wall_ns * 1e-9 - 946728000.0) / 86400.0; /* since 2000-01-01 12:00 */
 	double mean = fmod(357.529 + 0.98560028 * days, 360.0) / DEG;
 	double longitude = (280.459 + 0.98564736 * days + 1.915 * sin(mean) + 0.020 * sin(2.0 * mean)) / DEG;
 	double tilt = 23.439 / DEG;

@@ -68,12 +68,20 @@ static double parse_number(const char *text, double low, double high, struct arg
 	return value;
 }
 
-static void parse_fields(const char *text, const char *format, int *a, int *b, int *c, struct argp_state *state)
+static void parse_date(const char *text, struct arguments *out, struct argp_state *state)
 {
 	int used = 0;
-	int wanted = c ? 3 : 2;
-	if ((c ? sscanf(text, format, a, b, c, &used) : sscanf(text, format, a, b, &used)) != wanted || text[used])
-		argp_error(state, "'%s' is no %s", text, c ? "date YYYY-MM-DD" : "time HH:MM");
+	if (sscanf(text, "%4d-%2d-%2d%n", &out->year, &out->month, &out->day, &used) != 3 || text[used] ||
+		out->year < 1970 || out->month < 1 || out->month > 12 || out->day < 1 || out->day > 31)
+		argp_error(state, "'%s' is no date YYYY-MM-DD", text);
+}
+
+static void parse_time(const char *text, struct arguments *out, struct argp_state *state)
+{
+	int used = 0;
+	if (sscanf(text, "%2d:%2d%n", &out->hour, &out->minute, &used) != 2 || text[used] || out->hour < 0 ||
+		out->hour > 23 || out->minute < 0 || out->minute > 59)
+		argp_error(state, "'%s' is no time HH:MM", text);
 }
 
 static error_t parse_option(int key, char *arg, struct argp_state *state)
@@ -111,15 +119,10 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
 		arguments->truth = arg;
 		break;
 	case KEY_DATE:
-		parse_fields(arg, "%4d-%2d-%2d%n", &arguments->year, &arguments->month, &arguments->day, state);
-		if (arguments->year < 1970 || arguments->month < 1 || arguments->month > 12 || arguments->day < 1 ||
-			arguments->day > 31)
-			argp_error(state, "no such date '%s'", arg);
+		parse_date(arg, arguments, state);
 		break;
 	case KEY_TIME:
-		parse_fields(arg, "%2d:%2d%n", &arguments->hour, &arguments->minute, NULL, state);
-		if (arguments->hour < 0 || arguments->hour > 23 || arguments->minute < 0 || arguments->minute > 59)
-			argp_error(state, "no such time '%s'", arg);
+		parse_time(arg, arguments, state);
 		break;
 	case KEY_SPEED_ERROR:
 		drive->speed_error = parse_number(arg, -20.0, 20.0, state) * 0.01;

@@ -90,7 +90,7 @@ struct drive_motion {
 	ARRAY(double) speed; /* by point, m/s */
 	ARRAY(double) time;  /* by point, s; arrival */
 	ARRAY(double) dwell; /* by point, s; standing there */
-	ARRAY(int8_t) lamp;  /* by point */
+	ARRAY(int) lamp;     /* by point */
 	double end_s;        /* the last point plus standing */
 	size_t cursor;
 };

@@ -175,7 +175,7 @@ static void plan_lamps(const struct drive *drive, struct drive_motion *motion)
 		size_t node = point_at_index(motion->path, at), first = before(node, 0, ahead);
 		size_t last = point_at_index(motion->path, step->last) + (size_t)(LAMP_AFTER_M / DRIVE_STEP_M);
 		for (size_t i = first; i <= last && i < motion->lamp.count; i++)
-			motion->lamp.items[i] = (int8_t)lamp;
+			motion->lamp.items[i] = lamp;
 	}
 }
 

@@ -11,6 +11,7 @@
 #define SMOOTH_M 1.4    /* sigma */
 #define SMOOTH_REACH 18 /* samples to both sides */
 #define LOOK_AHEAD_M 7.0
+#define LOOK_STEP_M 0.1
 #define LANE_TURN_M 150.0
 
 typedef ARRAY(struct dvec2) line;
@@ -334,6 +335,12 @@ static void lay_out(const struct drive *drive, line *path)
 		join(path, &piece, i && half == graph_twin(drive->route.halves[i - 1]));
 	}
 	ARRAY_FINISH(&piece);
+	if (path->count)
+		return;
+	/* A route without any length: the car stands where it starts. */
+	struct dvec3 at = graph_at(&drive->graph, drive->route.halves[0], drive->route.start_along_m).at_m;
+	ARRAY_PUSH(path, ((struct dvec2){ at.x, at.y }));
+	ARRAY_PUSH(path, ((struct dvec2){ at.x, at.y + 0.1 }));
 }
 
 /* Walks along the route beside the line: for each point the nearest place of the centre lines, never backwards. */
@@ -346,7 +353,8 @@ static void tie_to_route(const struct drive *drive, struct drive_path *path)
 		double best = INFINITY, best_along = along, at = along;
 		uint32_t best_index = index, k = index;
 		/* On a sharp corner the nearest place can stay behind; the longer it does, the farther we look. */
-		for (double ahead = 0.0; ahead <= LOOK_AHEAD_M + 1.5 * stuck_m; ahead += 0.1, at += 0.1) {
+		int steps = (int)((LOOK_AHEAD_M + 1.5 * stuck_m) / LOOK_STEP_M);
+		for (int step = 0; step <= steps; step++, at += LOOK_STEP_M) {
 			while (k + 1 < drive->route.count && at > graph_length_m(&drive->graph, drive->route.halves[k])) {
 				at -= graph_length_m(&drive->graph, drive->route.halves[k]);
 				k++;
@@ -394,9 +402,11 @@ void path_build(const struct drive *drive, struct drive_path *out)
 	line laid = { 0 }, corners = { 0 }, rounded = { 0 }, even = { 0 }, smoothed = { 0 }, last = { 0 };
 	lay_out(drive, &laid);
 	/* Nodes on a straight street are no corners: without them there is more room for the arcs. */
-	ARRAY_PUSH(&corners, laid.items[0]);
-	simplify(&laid, 0, laid.count - 1, &corners);
-	round_corners(&corners, &rounded);
+	if (laid.count) {
+		ARRAY_PUSH(&corners, laid.items[0]);
+		simplify(&laid, 0, laid.count - 1, &corners);
+		round_corners(&corners, &rounded);
+	}
 	resample(&rounded, &even);
 	smooth(&even, &smoothed);
 	resample(&smoothed, &last);

@@ -231,7 +231,7 @@ static bool stretch_drift(const struct run *run, size_t first, double *drift_m, 
 		aim = !aim && m >= ALIGN_M ? &rows[i] : aim;
 		end = m >= STRETCH_M ? &rows[i] : NULL;
 	}
-	if (!end)
+	if (!aim || !end)
 		return false;
 	struct dvec2 a = dvec2_sub(aim->said, start->said), b = dvec2_sub(aim->reckoned, start->reckoned);
 	double turn = atan2(dvec2_cross(b, a), dvec2_dot(b, a));
