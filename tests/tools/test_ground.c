@@ -307,6 +307,91 @@ static void streets_and_paint_lie_on_the_terrain(void **state)
 	finish(&f);
 }
 
+/* What lies straight above and below a place. */
+struct column {
+	struct dvec2 at;
+	double ground, deck, road_below, ceiling; /* NAN: none */
+};
+
+static bool covers(const struct triangle *t, struct dvec2 at)
+{
+	int left = 0, right = 0;
+	for (int c = 0; c < 3; c++) {
+		struct dvec3 a = t->at[c], b = t->at[(c + 1) % 3];
+		double side = (b.x - a.x) * (at.y - a.y) - (b.y - a.y) * (at.x - a.x);
+		left += side > 0.0;
+		right += side < 0.0;
+	}
+	return left == 3 || right == 3;
+}
+
+static void probe(struct fixture *f, const struct triangle *t, void *context)
+{
+	(void)f;
+	struct column *column = context;
+	if (t->pass != PKG_PASS_OPAQUE || fabs(plan_area(t)) < 1e-6 || !covers(t, column->at))
+		return;
+	bool up = plan_area(t) > 0.0;
+	double z = (t->at[0].z + t->at[1].z + t->at[2].z) / 3.0;
+	if (t->object->kind == PKG_OBJECT_GROUND && up)
+		column->ground = z;
+	else if (t->object->kind == PKG_OBJECT_BRIDGE && up)
+		column->deck = fmax(z, isnan(column->deck) ? z : column->deck);
+	else if (t->object->kind == PKG_OBJECT_TUNNEL)
+		*(up ? &column->road_below : &column->ceiling) = z;
+}
+
+static struct column probe_at(struct fixture *f, double x, double y)
+{
+	struct column column = { { x, y }, NAN, NAN, NAN, NAN };
+	visit_triangles(f, probe, &column);
+	return column;
+}
+
+/* A street dives under another: open ramps on both sides, a closed tube in the middle, never soil in the way. */
+static void a_tunnel_opens_the_ground_only_over_its_ramps(void **state)
+{
+	(void)state;
+	struct fixture f = { 0 };
+	city_start(&f.city, &f.report);
+	f.city.min = (struct dvec2){ -400, -100 };
+	f.city.max = (struct dvec2){ 400, 100 };
+	city_street(&f.city, 1, 2, (const double[][3]){ { 1, -390, 0.3 }, { 2, -20, 0.3 } });
+	struct way *tunnel = city_street(&f.city, 2, 2, (const double[][3]){ { 2, -20, 0.3 }, { 3, 20, 0.3 } });
+	tunnel->tunnel = true;
+	tunnel->layer = -1;
+	city_street(&f.city, 3, 2, (const double[][3]){ { 3, 20, 0.3 }, { 4, 390, 0.3 } });
+	city_street(&f.city, 4, 2, (const double[][3]){ { 5, 0.2, -90 }, { 6, 0.2, 90 } });
+	build(&f);
+	struct column middle = probe_at(&f, 0.7, 0.8), ramp = probe_at(&f, -60.3, 0.8), away = probe_at(&f, -360.3, 0.8);
+	assert_true(fabs(middle.ground) < 0.01 && middle.road_below < -5.0 && middle.ceiling > middle.road_below + 4.0 &&
+				middle.ceiling < -0.1);
+	assert_true(isnan(ramp.ground) && ramp.road_below < -0.5 && isnan(ramp.ceiling));
+	assert_true(fabs(away.ground) < 0.01 && isnan(away.road_below));
+	/* seen from above there is ground or a street everywhere along it */
+	for (double x = -300.1; x < 300.0; x += 3.0) {
+		struct column at = probe_at(&f, x, 1.1);
+		assert_true(!isnan(at.ground) || !isnan(at.road_below));
+	}
+	finish(&f);
+}
+
+static void a_bridge_carries_its_street_over_the_river(void **state)
+{
+	(void)state;
+	struct fixture f = { 0 };
+	small_town(&f);
+	build(&f);
+	struct column river = probe_at(&f, 0.4, 75.3), bank = probe_at(&f, 0.4, 20.3);
+	assert_true(river.deck > -0.05 && isnan(river.ground)); /* water is no ground object */
+	assert_true(isnan(bank.deck) && fabs(bank.ground) < 0.01);
+	for (double y = 35.1; y < 115.0; y += 0.5) {
+		struct column at = probe_at(&f, 0.4, y);
+		assert_true(fmax(isnan(at.deck) ? -9.0 : at.deck, isnan(at.ground) ? -9.0 : at.ground) > -0.05);
+	}
+	finish(&f);
+}
+
 static void same_city_same_bytes(void **state)
 {
 	(void)state;
@@ -388,6 +473,8 @@ int main(void)
 		cmocka_unit_test(lamps_hang_above_the_street),
 		cmocka_unit_test(nothing_stands_in_a_carriageway),
 		cmocka_unit_test(streets_and_paint_lie_on_the_terrain),
+		cmocka_unit_test(a_tunnel_opens_the_ground_only_over_its_ramps),
+		cmocka_unit_test(a_bridge_carries_its_street_over_the_river),
 		cmocka_unit_test(same_city_same_bytes),
 		cmocka_unit_test(dirty_areas_and_streets_do_no_harm),
 		cmocka_unit_test(a_city_without_streets_is_ground_all_over),

@@ -13,7 +13,7 @@
 #define BUILT_UP_SHARE 0.07 /* of the ground under buildings: sidewalks, lamps */
 #define PAVED_SHARE 0.24    /* courtyards; less are gardens */
 #define SMALL_BLOCK_M2 2500.0
-#define LARGE_BLOCK_M2 120000.0
+#define LARGE_BLOCK_M2 400000.0
 #define POND_M2 2500.0
 #define HEADROOM_M 3.0           /* under a higher deck things may stand */
 #define FLAT_WATER_SPREAD_M 25.0 /* a shore that varies more is a river in the hills, and follows the ground */
