@@ -174,7 +174,10 @@ void ground_plan_finish(struct ground_plan *plan);
 bool ground_on_road(const struct ground_plan *plan, struct dvec2 at, double margin_m, uint32_t except);
 /* The same for streets of any course whose surface is near the ground: nothing may stand there. */
 bool ground_on_any_road(const struct ground_plan *plan, struct dvec2 at, double margin_m);
-/* The same for what is walked on, cycled on or railed. */
+/* Distance to the nearest centre line of a street of a course, in its half widths; INFINITY beyond a few metres.
+ * `z` (may be NULL) is the street's surface there. */
+double ground_road_nearness(const struct ground_plan *plan, struct dvec2 at, enum road_course course, double *z);
+/* As ground_on_road() for what is walked on, cycled on or railed. */
 bool ground_on_path(const struct ground_plan *plan, struct dvec2 at, double margin_m);
 /* Is the place inside a footprint that reaches the ground? */
 bool ground_in_building(const struct ground_plan *plan, struct dvec2 at);

@@ -370,6 +370,28 @@ bool ground_on_any_road(const struct ground_plan *plan, struct dvec2 at, double 
 	return false;
 }
 
+double ground_road_nearness(const struct ground_plan *plan, struct dvec2 at, enum road_course course, double *z)
+{
+	struct bin_items near = bins_near(&plan->segment_bins, at);
+	double nearest = INFINITY;
+	for (size_t i = 0; i < near.count; i++) {
+		struct road_segment segment = plan->segments.items[near.entries[i].item];
+		const struct road *road = &plan->roads.items[segment.road];
+		if (road->course != course || !region_is_road(road->region))
+			continue;
+		struct dvec3 a = road->points[segment.point], b = road->points[segment.point + 1];
+		struct dvec2 d = { b.x - a.x, b.y - a.y }, p = { at.x - a.x, at.y - a.y };
+		double t = fmin(fmax(dvec2_dot(p, d) / fmax(dvec2_dot(d, d), 1e-9), 0.0), 1.0);
+		double nearness = dvec2_length(dvec2_sub(p, dvec2_scale(d, t))) / road->half_width_m;
+		if (nearness >= nearest)
+			continue;
+		nearest = nearness;
+		if (z)
+			*z = a.z + t * (b.z - a.z);
+	}
+	return nearest;
+}
+
 bool ground_on_path(const struct ground_plan *plan, struct dvec2 at, double margin_m)
 {
 	struct bin_items near = bins_near(&plan->segment_bins, at);

@@ -20,6 +20,8 @@
 #define PIER_MIN_HEIGHT_M 2.5
 #define OVERLAP_M 0.04 /* the ground reaches this far under a structure's border */
 #define CAP_M 0.08
+#define CAP_STEP_MAX_M 1.5 /* a higher end is no meeting with the ground */
+#define SKIRT_M 0.5
 #define SIZE_MAX_M 5000.0
 
 enum face_tag { FACE_OUTSIDE, FACE_ROAD, FACE_SIDE };
@@ -193,6 +195,23 @@ static struct foot find_foot(const struct structure *structure, struct dvec2 at)
 	return best;
 }
 
+static bool on_this_cap(const struct cap *cap, struct dvec2 at)
+{
+	struct dvec2 p = dvec2_sub(at, cap->at);
+	return fabs(dvec2_dot(p, cap->direction)) < CAP_M && fabs(dvec2_cross(cap->direction, p)) < cap->half_width;
+}
+
+/* Where the structure meets the ground it takes the ground's slope across, so that the street goes on without a step.
+ */
+static double meet_ground(const struct structure *structure, struct dvec2 at, double z)
+{
+	double ground = city_ground(structure->plan->city, at);
+	for (size_t i = 0; i < structure->caps.count; i++)
+		if (on_this_cap(&structure->caps.items[i], at) && fabs(z - ground) < CAP_STEP_MAX_M)
+			return ground;
+	return z;
+}
+
 static void name_faces(struct structure *structure)
 {
 	struct partition *partition = &structure->partition;
@@ -208,8 +227,12 @@ static void name_faces(struct structure *structure)
 			(uint8_t)(foot.road && structure->cut && segment_covered(structure->plan, foot.road, foot.segment)));
 		ARRAY_PUSH(&structure->spans, (uint8_t)(foot.road && foot.road->bridge));
 	}
-	for (uint32_t v = 0; v < partition->cdt.points.count; v++)
-		ARRAY_PUSH(&structure->foot_of, find_foot(structure, partition_vertex(partition, v)));
+	for (uint32_t v = 0; v < partition->cdt.points.count; v++) {
+		struct dvec2 at = partition_vertex(partition, v);
+		struct foot foot = find_foot(structure, at);
+		foot.z = meet_ground(structure, at, foot.z);
+		ARRAY_PUSH(&structure->foot_of, foot);
+	}
 }
 
 static enum face_tag tag_of(const struct structure *structure, uint32_t triangle)
@@ -312,14 +335,10 @@ static void emit_triangle(struct structure *structure, uint32_t t)
 
 static bool on_cap(const struct structure *structure, uint32_t a, uint32_t b)
 {
-	for (size_t i = 0; i < structure->caps.count; i++) {
-		const struct cap *cap = &structure->caps.items[i];
-		struct dvec2 p = dvec2_sub(place(structure, a), cap->at), q = dvec2_sub(place(structure, b), cap->at);
-		if (fabs(dvec2_dot(p, cap->direction)) < CAP_M && fabs(dvec2_dot(q, cap->direction)) < CAP_M &&
-			fabs(dvec2_cross(cap->direction, p)) < cap->half_width &&
-			fabs(dvec2_cross(cap->direction, q)) < cap->half_width)
+	for (size_t i = 0; i < structure->caps.count; i++)
+		if (on_this_cap(&structure->caps.items[i], place(structure, a)) &&
+			on_this_cap(&structure->caps.items[i], place(structure, b)))
 			return true;
-	}
 	return false;
 }
 
@@ -378,6 +397,13 @@ static void emit_railing(struct structure *structure, uint32_t a, uint32_t b, do
 	soup_railing(structure->soup, (struct dvec3){ p.x, p.y, foot[0] }, (struct dvec3){ q.x, q.y, foot[1] }, RAILING_M);
 }
 
+/* Is the border in a carriageway on the ground? Streets that overlap get no railing between them. */
+static bool on_street(const struct structure *structure, uint32_t a, uint32_t b)
+{
+	struct dvec2 middle = dvec2_scale(dvec2_add(place(structure, a), place(structure, b)), 0.5);
+	return ground_on_road(structure->plan, middle, -0.2, PKG_NONE);
+}
+
 static void emit_deck_border(struct structure *structure, uint32_t t, uint32_t a, uint32_t b)
 {
 	bool spans = structure->spans.items[structure->partition.face_of.items[t]];
@@ -400,6 +426,12 @@ static void emit_deck_border(struct structure *structure, uint32_t t, uint32_t a
 		soup_wall(structure->soup, place(structure, a), place(structure, b), low[0], low[1], top[0], top[1]);
 		return;
 	}
+	double rise = base[0] - ground_at(structure, a);
+	if (rise < DECK_LOW_M && on_street(structure, a, b)) {
+		paint(structure->soup, MATERIAL_CONCRETE, 214, 0.85f);
+		soup_wall(structure->soup, place(structure, a), place(structure, b), low[0], low[1], base[0], base[1]);
+		return;
+	}
 	emit_parapet(structure, a, b, walked ? 0.1 : PARAPET_WIDTH_M, low, base, top);
 	double inset = walked ? 0.05 : PARAPET_WIDTH_M / 2.0;
 	emit_railing(structure, a, b, inset, top);
@@ -416,15 +448,17 @@ static void emit_cut_border(struct structure *structure, uint32_t t, uint32_t a,
 		soup_wall(soup, q, p, z[1], z[0], z[1] + TUBE_HEIGHT_M, z[0] + TUBE_HEIGHT_M);
 		return;
 	}
-	double ground[2] = { ground_at(structure, a), ground_at(structure, b) }, low[2], top[2], deepest = 0.0;
+	/* below the ground the tile's own wall stands, OVERLAP_M nearer */
+	double low[2], top[2], deepest = 0.0;
 	for (int i = 0; i < 2; i++) {
-		double depth = fmax(ground[i] - z[i], 0.0);
-		top[i] = fmax(ground[i], z[i]) + KERB_M + fmin(depth, UPSTAND_M);
+		double ground = ground_at(structure, i ? b : a), depth = fmax(ground - z[i], 0.0);
+		top[i] = fmax(ground, z[i]) + KERB_M + fmin(depth, UPSTAND_M);
+		low[i] = fmin(ground, z[i]) - 0.3;
 		deepest = fmax(deepest, depth);
-		low[i] = z[i];
-		ground[i] -= 0.3;
 	}
-	emit_parapet(structure, a, b, -PARAPET_WIDTH_M, low, ground, top);
+	if (on_street(structure, a, b))
+		return;
+	emit_parapet(structure, a, b, -PARAPET_WIDTH_M, low, low, top);
 	if (deepest > 0.8)
 		emit_railing(structure, a, b, -PARAPET_WIDTH_M / 2.0, top);
 }
@@ -442,9 +476,12 @@ static void emit_edge(struct structure *structure, uint32_t t, int i)
 		if (cap && structure->cut && covered_at(structure, t)) {
 			paint(soup, MATERIAL_CONCRETE, 90, 0.4f); /* the data ends in a tunnel */
 			soup_wall(soup, q, p, z[1], z[0], z[1] + TUBE_HEIGHT_M, z[0] + TUBE_HEIGHT_M);
-		} else if (!cap && structure->cut) {
+		} else if (cap) {
+			paint(soup, MATERIAL_CONCRETE, 200, 0.8f);
+			soup_wall(soup, p, q, z[0] - SKIRT_M, z[1] - SKIRT_M, z[0], z[1]);
+		} else if (structure->cut) {
 			emit_cut_border(structure, t, a, b);
-		} else if (!cap) {
+		} else {
 			emit_deck_border(structure, t, a, b);
 		}
 		return;

@@ -207,6 +207,10 @@ static struct surface surface_at(const struct tile *tile, struct dvec2 at)
 		if (region == REGION_PIT &&
 			(ground_area_at(tile->plan, at, REGION_WATER) || outline_contains(&tile->outlines[REGION_WATER], at)))
 			continue;
+		/* where streets on the ground and in a cut overlap, the nearer one has it */
+		if (region == REGION_VOID && ground_road_nearness(tile->plan, at, ROAD_GROUND, NULL) <
+										 fmin(ground_road_nearness(tile->plan, at, ROAD_CUT, NULL), 1.0))
+			continue;
 		return (struct surface){ (enum ground_region)region, NULL };
 	}
 	const struct ground_area *area = ground_top_area(tile->plan, at);
@@ -364,6 +368,23 @@ static void emit_skirt(struct tile *tile, uint32_t t, int i, const struct surfac
 	emit_wall(tile, at[0], at[1], low, high, false);
 }
 
+/* The ground's edge at an open cut: a wall down to the street in it. */
+static void emit_cut_wall(struct tile *tile, uint32_t t, int i, const struct surface *here)
+{
+	uint32_t ends[2];
+	edge_ends(tile, t, i, ends);
+	struct dvec2 at[2] = { partition_vertex(&tile->partition, ends[0]), partition_vertex(&tile->partition, ends[1]) };
+	double high[2], low[2];
+	for (int k = 0; k < 2; k++) {
+		high[k] = surface_z(tile, here, at[k]);
+		low[k] = high[k] - 1.0;
+		ground_road_nearness(tile->plan, at[k], ROAD_CUT, &low[k]);
+		low[k] -= 0.1;
+	}
+	if (low[0] < high[0] || low[1] < high[1])
+		emit_wall(tile, at[0], at[1], low, high, false);
+}
+
 static void emit_walls(struct tile *tile)
 {
 	const struct cdt *cdt = &tile->partition.cdt;
@@ -373,7 +394,9 @@ static void emit_walls(struct tile *tile)
 			uint32_t u = cdt->triangles.items[t].neighbour[i];
 			if (u == CDT_NONE)
 				emit_skirt(tile, t, i, here);
-			else if (surface_of(tile, u) != here && surface_of(tile, u)->region != REGION_VOID)
+			else if (surface_of(tile, u)->region == REGION_VOID)
+				emit_cut_wall(tile, t, i, here);
+			else if (surface_of(tile, u) != here)
 				emit_step(tile, t, i, here, surface_of(tile, u));
 		}
 	}
