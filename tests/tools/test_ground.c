@@ -106,7 +106,7 @@ static void build(struct fixture *f)
 	struct pkg_graph graph = graph_view(&f->graph);
 	struct mesh_sink *sink = mesh_sink_new();
 	ground_build(&f->city, &graph, sink, &f->lamps);
-	trees_build(&f->city, sink);
+	trees_build(&f->city, &graph, sink);
 	mesh_finish_chunks(sink, &f->mesh);
 	mesh_sink_free(sink);
 }

@@ -63,7 +63,7 @@ void light_map_finish(struct light_map *map);
 /* tools/bake/ground_*.c: everything on the ground (streets, kerbs, markings, areas, water, bridges, tunnels,
  * furniture), trees in trees.c. `lamps` receives the street lamps. */
 void ground_build(const struct city *city, const struct pkg_graph *graph, struct mesh_sink *sink, lamp_array *lamps);
-void trees_build(const struct city *city, struct mesh_sink *sink);
+void trees_build(const struct city *city, const struct pkg_graph *graph, struct mesh_sink *sink);
 
 /* tools/bake/facade_*.c, roof_*.c: buildings. Sets AO per vertex. */
 void buildings_build(const struct city *city, const struct pkg_graph *graph, struct mesh_sink *sink);

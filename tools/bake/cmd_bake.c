@@ -173,7 +173,7 @@ static void bake_geometry(struct bake *bake)
 	else
 		bake_buildings(bake);
 	int64_t trees_started = step_begin(bake, "trees");
-	trees_build(&bake->city, bake->buildings);
+	trees_build(&bake->city, &graph, bake->buildings);
 	step_end(bake, STEP_TREES, trees_started);
 	mesh_append(bake->ground, bake->buildings);
 	mesh_finish_chunks(bake->ground, &bake->mesh);

@@ -86,7 +86,7 @@ struct road {
 	enum ground_region region; /* on the ground */
 	int street_class;          /* enum pkg_street_class or enum way_class */
 	bool bridge, tunnel;
-	bool starts_open, ends_open; /* the street goes on beyond this end on another course */
+	bool starts_open, ends_open; /* off the ground: the street goes on beyond this end on the ground */
 	bool start_joins, end_joins; /* another road of this course begins or ends here */
 	uint32_t edge;               /* of the graph, or PKG_NONE */
 	double edge_start_m;         /* where on the edge this stretch begins */
@@ -142,11 +142,10 @@ struct ground_plan {
 	ARRAY(struct road_event) events; /* by road, then along */
 	float *coverage;                 /* share of built ground in squares of COVERAGE_STEP_M, smoothed */
 	int32_t coverage_col0, coverage_row0, coverage_cols, coverage_rows;
-	struct face_locator *blocks; /* NULL without a graph */
+	struct face_locator *blocks; /* NULL without streets */
 	float *block_share;          /* of built ground, by face */
 	struct dvec2 min, max;       /* of the ground that is built */
 	bool has_terrain;
-	bool from_ways; /* no graph: drivable ways are roads too */
 };
 
 /* ground_events.c: fills events of a plan with roads; queries them. */
@@ -165,7 +164,6 @@ double ground_stop_place(const struct ground_plan *plan, uint32_t road, double a
 /* ground_roads.c: fills roads, corners and trims of a plan whose city, graph and coverage are set. */
 void ground_roads_build(struct ground_plan *plan);
 
-/* `graph` may be NULL: streets are then the city's ways, all on the ground; enough to keep clear of them. */
 void ground_plan_build(struct ground_plan *plan, const struct city *city, const struct pkg_graph *graph);
 void ground_plan_finish(struct ground_plan *plan);
 

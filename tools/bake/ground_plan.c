@@ -104,7 +104,7 @@ static void measure_coverage(struct ground_plan *plan)
 static void measure_blocks(struct ground_plan *plan)
 {
 	const struct pkg_graph *graph = plan->graph;
-	if (plan->from_ways || !graph->face_count)
+	if (!graph->face_count)
 		return;
 	plan->blocks = face_locator_new(graph);
 	plan->block_share = POOL_ARRAY(&plan->pool, float, graph->face_count);
@@ -362,9 +362,10 @@ bool ground_on_any_road(const struct ground_plan *plan, struct dvec2 at, double 
 		struct road_segment segment = plan->segments.items[near.entries[i].item];
 		const struct road *road = &plan->roads.items[segment.road];
 		double side = road->course == ROAD_GROUND ? 0.0 : road_structure_half_width(road) - road->half_width_m;
-		double z = road->points[segment.point].z;
-		if (region_is_road(road->region) && (road->course == ROAD_GROUND || fabs(z - ground) < HEADROOM_M) &&
-			near_segment(road, segment.point, at, margin_m + side))
+		double rise = road->points[segment.point].z - ground;
+		bool clear = road->course == ROAD_DECK ? rise > HEADROOM_M
+											   : road->course == ROAD_CUT && road->tunnel && rise < -TUBE_COVER_M;
+		if (region_is_road(road->region) && !clear && near_segment(road, segment.point, at, margin_m + side))
 			return true;
 	}
 	return false;
@@ -424,8 +425,7 @@ static void bin_lines(struct ground_plan *plan)
 
 void ground_plan_build(struct ground_plan *plan, const struct city *city, const struct pkg_graph *graph)
 {
-	static const struct pkg_graph no_graph;
-	*plan = (struct ground_plan){ .city = city, .graph = graph ? graph : &no_graph, .from_ways = !graph };
+	*plan = (struct ground_plan){ .city = city, .graph = graph };
 	plan->has_terrain = city->terrain.grid.columns >= 2 && city->terrain.grid.rows >= 2;
 	plan->min = (struct dvec2){ floor((city->min.x - MARGIN_M) / MESH_TILE_M) * MESH_TILE_M,
 		floor((city->min.y - MARGIN_M) / MESH_TILE_M) * MESH_TILE_M };

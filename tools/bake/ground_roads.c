@@ -7,6 +7,7 @@
 
 #define SAMPLE_M 4.0
 #define DECK_PIECE_M 14.0
+#define BURIED_M 0.5
 #define DECK_SIDE_MAX_M 4.5
 #define DECK_SAME_M 1.0   /* higher or lower is another deck */
 #define GROUND_GAP_M 10.0 /* a shorter touch of the ground between two ramps is no street on the ground */
@@ -78,7 +79,9 @@ static void sample_line(const struct city *city, const struct dvec3 *points, siz
 			if (relative)
 				at.z += ground;
 			double rise = at.z - ground;
-			int course = about->bridge || rise > SLACK_M ? ROAD_DECK : rise < -SLACK_M ? ROAD_CUT : ROAD_GROUND;
+			/* a bridge that a coarse terrain buries is a cut all the same */
+			bool deck = rise > SLACK_M || (about->bridge && rise > -BURIED_M);
+			int course = deck ? ROAD_DECK : rise < -SLACK_M ? ROAD_CUT : ROAD_GROUND;
 			if (about->tunnel && course == ROAD_DECK)
 				course = ROAD_GROUND;
 			ARRAY_PUSH(out, (struct sample){ at, along + t * length, course });
@@ -153,8 +156,6 @@ static void add_road(
 	road.course = samples->items[from].course == samples->items[to].course ? (enum road_course)samples->items[to].course
 																		   : about->course;
 	road.edge_start_m = samples->items[from].along;
-	road.starts_open = from > 0;
-	road.ends_open = to + 1 < samples->count;
 	for (size_t i = from; i <= to; i++) {
 		const struct sample *sample = &samples->items[i];
 		if (road.course != ROAD_CUT && i > from && i < to &&
@@ -232,8 +233,10 @@ static void add_line(
 		if (road.course == ROAD_GROUND) {
 			last = to;
 		} else {
-			first = from ? from - 1 : from;
+			first = from && samples.items[from - 1].course == ROAD_GROUND ? from - 1 : from;
 			last = to + 1 < samples.count ? to + 1 : to;
+			road.starts_open = first < from;
+			road.ends_open = last > to && samples.items[last].course == ROAD_GROUND;
 		}
 		int keep_first = samples.items[first].course, keep_last = samples.items[last].course;
 		samples.items[first].course = samples.items[last].course = (int)road.course;
@@ -381,7 +384,7 @@ static void add_way_road(struct ground_plan *plan, const struct way *way)
 {
 	/* Walkers' and trains' tunnels are not shown; their ramps lie flat. */
 	bool below = way->tunnel;
-	if ((way->drivable && !plan->from_ways) || way->node_count < 2 || below)
+	if (way->drivable || way->node_count < 2 || below)
 		return;
 	struct dvec3 *points = array_grow(NULL, &(size_t){ 0 }, way->node_count, sizeof(*points));
 	for (size_t i = 0; i < way->node_count; i++) {

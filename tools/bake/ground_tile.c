@@ -44,7 +44,11 @@ static double surface_z(const struct tile *tile, const struct surface *surface, 
 {
 	if (surface->region == REGION_WATER)
 		return ground_water_z(tile->plan, surface->water, at);
-	return city_ground(tile->city, at) + region_looks[surface->region].level_m;
+	double z = city_ground(tile->city, at) + region_looks[surface->region].level_m, deck;
+	/* across a slope the ground may rise over the deck's far side: the pit goes under it */
+	if (surface->region == REGION_PIT && ground_road_nearness(tile->plan, at, ROAD_DECK, &deck) < INFINITY)
+		z = fmin(z, deck - PIT_DROP_M);
+	return z;
 }
 
 /* ---- shapes ---- */

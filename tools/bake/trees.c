@@ -272,10 +272,10 @@ static int compare_places(const void *left, const void *right)
 	return (a->tree.at.x > b->tree.at.x) - (a->tree.at.x < b->tree.at.x);
 }
 
-void trees_build(const struct city *city, struct mesh_sink *sink)
+void trees_build(const struct city *city, const struct pkg_graph *graph, struct mesh_sink *sink)
 {
 	struct ground_plan plan;
-	ground_plan_build(&plan, city, NULL);
+	ground_plan_build(&plan, city, graph);
 	tree_array trees = { 0 };
 	for (size_t i = 0; i < city->trees.count; i++)
 		place_mapped(&plan, &trees, &city->trees.items[i]);
