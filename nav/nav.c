@@ -16,6 +16,7 @@
 #define RETRY_M 80.0     /* after a search that found nothing */
 #define WINDOW_AHEAD 32  /* half-edges of the route in which the car is looked for */
 #define WINDOW_BEHIND 4
+#define LANE_TURN_M 150.0 /* before a turn across, counted from the end of the street's piece */
 #define ARRIVED_M 20.0
 #define HEADING_SIGMA 0.03
 #define LESSON_S 4.0
@@ -61,7 +62,8 @@ static uint32_t likely_lane(struct nav *nav)
 	struct nav_step step = guidance_step_ahead(&nav->guidance, nav->route_at, nav->match.along_m, 0);
 	double deg = bam_to_rad(step.angle_bam) * (180.0 / BLVD_PI);
 	bool across = nav->graph.right_hand ? deg < -30.0 : deg > 30.0;
-	return across && step.manoeuvre != NAV_MANOEUVRE_ROUNDABOUT && step.distance_m < 150.0 ? lanes - 1 : 0;
+	double after_half = step.distance_m - graph_length_m(&nav->graph, nav->match.half) + nav->match.along_m;
+	return across && step.manoeuvre != NAV_MANOEUVRE_ROUNDABOUT && after_half < LANE_TURN_M ? lanes - 1 : 0;
 }
 
 /* Point on the lane that the matched place means. */
