@@ -307,7 +307,7 @@ static void bin_roads(struct ground_plan *plan)
 		double reach = road->half_width_m + fmax(road->side_left_m, road->side_right_m) + 1.0;
 		bins_add(&plan->road_bins, (struct dvec2){ road->min.x - reach, road->min.y - reach },
 			(struct dvec2){ road->max.x + reach, road->max.y + reach }, i);
-		if (road->course != ROAD_GROUND && road->edge == PKG_NONE)
+		if (road->course == ROAD_CUT && road->edge == PKG_NONE)
 			continue;
 		for (uint32_t k = 0; k + 1 < road->count; k++) {
 			struct dvec3 a = road->points[k], b = road->points[k + 1];

@@ -22,6 +22,7 @@
 #define CAP_M 0.08
 #define CAP_STEP_MAX_M 1.5 /* a higher end is no meeting with the ground */
 #define SKIRT_M 0.5
+#define WALKED_SINK_M 0.02 /* walkways that overlap wider decks lie under them */
 #define SIZE_MAX_M 5000.0
 
 enum face_tag { FACE_OUTSIDE, FACE_ROAD, FACE_SIDE };
@@ -230,6 +231,8 @@ static void name_faces(struct structure *structure)
 	for (uint32_t v = 0; v < partition->cdt.points.count; v++) {
 		struct dvec2 at = partition_vertex(partition, v);
 		struct foot foot = find_foot(structure, at);
+		if (foot.road && is_walked(foot.road) && foot.road->street_class != WAY_PEDESTRIAN)
+			foot.z -= WALKED_SINK_M;
 		foot.z = meet_ground(structure, at, foot.z);
 		ARRAY_PUSH(&structure->foot_of, foot);
 	}
@@ -404,6 +407,35 @@ static bool on_street(const struct structure *structure, uint32_t a, uint32_t b)
 	return ground_on_road(structure->plan, middle, -0.2, PKG_NONE);
 }
 
+static bool is_member(const struct structure *structure, uint32_t road)
+{
+	for (size_t i = 0; i < structure->road_count; i++)
+		if (structure->roads[i] == road)
+			return true;
+	return false;
+}
+
+/* Does the border run over another deck of the same height? Where walkways meet, neither fences the other off. */
+static bool on_other_deck(const struct structure *structure, uint32_t a, uint32_t b)
+{
+	struct dvec2 at = dvec2_scale(dvec2_add(place(structure, a), place(structure, b)), 0.5);
+	double height = structure->foot_of.items[a].z;
+	struct bin_items near = bins_near(&structure->plan->segment_bins, at);
+	for (size_t i = 0; i < near.count; i++) {
+		struct road_segment segment = structure->plan->segments.items[near.entries[i].item];
+		const struct road *road = &structure->plan->roads.items[segment.road];
+		if (road->course != ROAD_DECK || is_member(structure, segment.road))
+			continue;
+		struct dvec3 p = road->points[segment.point], q = road->points[segment.point + 1];
+		struct dvec2 d = { q.x - p.x, q.y - p.y }, r = { at.x - p.x, at.y - p.y };
+		double t = dvec2_dot(r, d) / fmax(dvec2_dot(d, d), 1e-9);
+		if (t >= 0.0 && t <= 1.0 && fabs(p.z + t * (q.z - p.z) - height) < 0.6 &&
+			dvec2_length(dvec2_sub(r, dvec2_scale(d, t))) < road_structure_half_width(road) - 0.15)
+			return true;
+	}
+	return false;
+}
+
 static void emit_deck_border(struct structure *structure, uint32_t t, uint32_t a, uint32_t b)
 {
 	bool spans = structure->spans.items[structure->partition.face_of.items[t]];
@@ -427,7 +459,7 @@ static void emit_deck_border(struct structure *structure, uint32_t t, uint32_t a
 		return;
 	}
 	double rise = base[0] - ground_at(structure, a);
-	if (rise < DECK_LOW_M && on_street(structure, a, b)) {
+	if ((rise < DECK_LOW_M && on_street(structure, a, b)) || on_other_deck(structure, a, b)) {
 		paint(structure->soup, MATERIAL_CONCRETE, 214, 0.85f);
 		soup_wall(structure->soup, place(structure, a), place(structure, b), low[0], low[1], base[0], base[1]);
 		return;
