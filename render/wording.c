@@ -115,15 +115,24 @@ static const struct {
 	enum nav_signal signal;
 	const char *name;
 	bool needed; /* worth a line when it was never seen */
+	bool aid;    /* dead reckoning does without it: worth a line only when the position has become doubtful */
 } inputs[] = {
-	{ NAV_SIGNAL_SPEED, "Speed signal", true },
-	{ NAV_SIGNAL_YAW_RATE, "Turn rate", true },
-	{ NAV_SIGNAL_HEADING, "Heading", true },
-	{ NAV_SIGNAL_STEERING, "Steering angle", false },
-	{ NAV_SIGNAL_LATITUDE, "GPS", true },
-	{ NAV_SIGNAL_GEAR, "Gear signal", false },
-	{ NAV_SIGNAL_ODOMETER, "Odometer", false },
+	{ NAV_SIGNAL_SPEED, "Speed signal", true, false },
+	{ NAV_SIGNAL_YAW_RATE, "Turn rate", true, false },
+	{ NAV_SIGNAL_HEADING, "Heading", true, true },
+	{ NAV_SIGNAL_STEERING, "Steering angle", false, true },
+	{ NAV_SIGNAL_LATITUDE, "GPS", true, true },
+	{ NAV_SIGNAL_GEAR, "Gear signal", false, false },
+	{ NAV_SIGNAL_ODOMETER, "Odometer", false, true },
 };
+
+#define DOUBT_M 12.0
+
+/* Whether the driver would steer better knowing that an aid is missing. */
+static bool position_is_doubtful(const struct nav_view *nav)
+{
+	return nav->uncertainty_m > DOUBT_M || !nav->on_street;
+}
 
 static bool input_words(char *out, const struct nav_view *nav, size_t row)
 {
@@ -150,7 +159,7 @@ bool wording_inputs(char *out, const struct nav_view *nav)
 		return true;
 	}
 	for (size_t i = 0; i < sizeof(inputs) / sizeof(inputs[0]); i++)
-		if (input_words(out, nav, i))
+		if ((!inputs[i].aid || position_is_doubtful(nav)) && input_words(out, nav, i))
 			return true;
 	return false;
 }

@@ -125,6 +125,11 @@ static void the_gravest_input_state_is_named(void **state)
 	nav.signal[NAV_SIGNAL_LATITUDE] = NAV_SIGNAL_WAITING;
 	assert_true(wording_inputs(words, &nav));
 	assert_string_equal(words, "GPS: none yet");
+	nav.on_street = true; /* dead reckoning knows the place well enough */
+	nav.uncertainty_m = 3.0;
+	assert_false(wording_inputs(words, &nav));
+	nav.uncertainty_m = 30.0;
+	assert_true(wording_inputs(words, &nav));
 	nav.signal[NAV_SIGNAL_SPEED] = NAV_SIGNAL_STALE;
 	nav.signal_age_ns[NAV_SIGNAL_SPEED] = INT64_C(3200000000);
 	assert_true(wording_inputs(words, &nav));
