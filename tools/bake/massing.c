@@ -120,7 +120,7 @@ static void add_walls(const struct plots *plots, struct massing *m, struct dvec2
 				 max = { fmax(a.x, b.x) + 0.3, fmax(a.y, b.y) + 0.3 };
 	segment_grid_visit(&plots->wall_grid, min, max, visit_contact, &search);
 	qsort(search.found, (size_t)search.count, sizeof(search.found[0]), contact_order);
-	double cuts[64];
+	double cuts[64] = { 0 };
 	int count = 0;
 	for (int i = 0; i < search.count; i++) {
 		count = add_cut(cuts, count, search.found[i].from, whole.length);

@@ -46,6 +46,7 @@ static void draw_deck(struct massing *m, struct shell *shell, double z, float ao
 	}
 	for (size_t i = 0; i + 2 < m->triangles.count; i += 3) {
 		const uint32_t *t = &m->triangles.items[i];
+		/* cppcheck-suppress objectIndex */
 		shell_triangle(shell, first + t[0], first + t[down ? 2 : 1], first + t[down ? 1 : 2]);
 	}
 }

@@ -89,6 +89,7 @@ static void resolve_scripts(struct line *line)
 static uint32_t choose_face(const struct font_set *fonts, const struct line *line, int at)
 {
 	hb_script_t own = hb_unicode_script(hb_unicode_funcs_get_default(), line->text[at]);
+	/* cppcheck-suppress arrayIndexOutOfBoundsCond */
 	if (at > 0 && is_shared(own) && font_glyph(fonts, line->face[at - 1], line->text[at]))
 		return line->face[at - 1];
 	for (uint32_t i = 0; i < fonts->count; i++)
