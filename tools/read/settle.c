@@ -253,6 +253,8 @@ static void push_rest(struct city *city, const struct shaper *shaper, const stru
 	shape_from_geos(shaper, rest, REST_LEAST_M2, &pieces);
 	struct building part = city->buildings.items[outline];
 	double height = rest_height(city, parts, outline);
+	if (height <= part.min_height_m)
+		height = part.height_m;
 	if (height != part.height_m) {
 		part.height_m = height;
 		part.levels = 0.0;
