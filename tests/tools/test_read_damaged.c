@@ -66,7 +66,11 @@ static int parse(const struct sample *sample, const uint8_t *bytes, size_t size)
 	fwrite(bytes, 1, size, file);
 	fclose(file);
 	osm_store_init(&store, &report);
-	int status = osm_parse(&store, sample->path);
+	struct staged staged;
+	int status = stage_open(&staged, sample->path);
+	if (!status)
+		status = osm_parse(&store, &staged, sample->path);
+	stage_close(&staged);
 	osm_store_finish(&store);
 	return status;
 }

@@ -169,7 +169,8 @@ struct building {
 	double ground_m;        /* set with the terrain: lowest ground under the footprint */
 	uint32_t face;          /* block of the street graph, or PKG_NONE */
 	double start_year;      /* 0: not given */
-	struct dvec3 *walls_3d; /* CityJSON LoD2 surfaces, triangulated: 3 points a triangle; NULL: extrude the footprint */
+	struct dvec3 *walls_3d; /* CityJSON LoD2 surfaces, triangulated: 3 points a triangle, z in the city frame; NULL:
+							   extrude the footprint */
 	size_t wall_3d_count;   /* points */
 };
 

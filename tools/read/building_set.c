@@ -229,7 +229,7 @@ static void take_feature(struct set_reader *reader, OGRFeatureH feature)
 	int underground = reader->fields.underground;
 	bool hidden = underground >= 0 && (!strcmp(OGR_F_GetFieldAsString(feature, underground), "true") ||
 										  !strcmp(OGR_F_GetFieldAsString(feature, underground), "1"));
-	struct set_building building;
+	struct set_building building = { 0 };
 	enum element_fate fate = ELEMENT_IGNORED;
 	if (geometry && !hidden) {
 		OGRGeometryH linear = OGR_G_GetLinearGeometry(geometry, 0.0, NULL);
@@ -315,6 +315,7 @@ int building_set_read(struct building_set *set, const char *path, const char *he
 void building_set_finish(struct building_set *set)
 {
 	ARRAY_FINISH(&set->buildings);
+	ARRAY_FINISH(&set->areas);
 	pool_finish(&set->pool);
 }
 
@@ -368,6 +369,41 @@ static struct polygon projected_polygon(const struct geo_frame *frame, struct po
 	return out;
 }
 
+static void push_areas(const struct building_set *set, struct city *city)
+{
+	for (size_t i = 0; i < set->areas.count; i++) {
+		const struct set_area *from = &set->areas.items[i];
+		struct area area = { .id = from->id, .kind = from->kind };
+		area.shape = projected_polygon(&city->frame, &city->pool, &from->degrees);
+		ARRAY_PUSH(&city->areas, area);
+	}
+}
+
+static void set_walls(const struct set_building *from, struct city *city, struct building *building)
+{
+	building->walls_3d = POOL_ARRAY(&city->pool, struct dvec3, from->wall_count);
+	building->wall_3d_count = from->wall_count;
+	for (size_t i = 0; i < from->wall_count; i++) {
+		struct dvec2 at = geo_to_plane(&city->frame, (struct geo_point){ from->walls[i].y, from->walls[i].x });
+		building->walls_3d[i] = (struct dvec3){ at.x, at.y, from->walls[i].z };
+	}
+}
+
+void building_set_lift(struct city *city)
+{
+	for (size_t i = 0; i < city->buildings.count; i++) {
+		struct building *building = &city->buildings.items[i];
+		const struct ring *ring = &building->footprint.outer;
+		double ground = INFINITY;
+		if (!building->walls_3d)
+			continue;
+		for (size_t j = 0; j < ring->count; j++)
+			ground = fmin(ground, city_ground(city, ring->points[j]));
+		for (size_t j = 0; j < building->wall_3d_count; j++)
+			building->walls_3d[j].z += ground;
+	}
+}
+
 static void push_building(const struct set_building *from, double ground_m, const struct polygon *shape,
 	struct city *city, struct shaper *shaper)
 {
@@ -401,6 +437,11 @@ static void push_building(const struct set_building *from, double ground_m, cons
 	}
 	for (size_t i = 0; i < pieces.count; i++) {
 		building.footprint = pieces.items[i];
+		/* Walls belong to the whole: the first piece stands for it, the others would be drawn within. */
+		if (from->wall_count && i)
+			break;
+		if (from->wall_count)
+			set_walls(from, city, &building);
 		ARRAY_PUSH(&city->buildings, building);
 	}
 	ARRAY_FINISH(&pieces);
@@ -421,6 +462,7 @@ void building_set_make(const struct building_set *set, struct city *city, struct
 	estimate_ground(set, places, ground);
 	for (size_t i = 0; i < count; i++)
 		push_building(&set->buildings.items[i], ground[i], &shapes[i], city, shaper);
+	push_areas(set, city);
 	for (int fate = 0; fate < ELEMENT_FATE_COUNT; fate++)
 		city->report->elements[ELEMENT_FEATURE][fate] += set->fates[fate];
 	free(shapes);

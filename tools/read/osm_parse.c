@@ -7,7 +7,6 @@
 
 #include "platform/base/log.h"
 #include "tools/read/osm_check.h"
-#include "tools/read/stage.h"
 
 static struct osm_tags keep_tags(struct osm_store *store, int count, const readosm_tag *from, int64_t id)
 {
@@ -79,10 +78,10 @@ static int on_relation(const void *data, const readosm_relation *from)
 	return READOSM_OK;
 }
 
-static int parse_staged(struct osm_store *store, const struct staged *staged, const char *path)
+int osm_parse(struct osm_store *store, const struct staged *staged, const char *name)
 {
 	int status =
-		staged->format == INPUT_OSM_PBF ? osm_check_pbf(staged->path, path) : osm_check_xml(staged->path, path);
+		staged->format == INPUT_OSM_PBF ? osm_check_pbf(staged->path, name) : osm_check_xml(staged->path, name);
 	if (status)
 		return status;
 	const void *handle = NULL;
@@ -91,24 +90,8 @@ static int parse_staged(struct osm_store *store, const struct staged *staged, co
 		code = readosm_parse(handle, store, on_node, on_way, on_relation);
 	readosm_close(handle);
 	if (code != READOSM_OK) {
-		log_error("%s: readosm cannot read it (its error %d)", path, code);
+		log_error("%s: readosm cannot read it (its error %d)", name, code);
 		return -EBADMSG;
 	}
 	return 0;
-}
-
-int osm_parse(struct osm_store *store, const char *path)
-{
-	struct staged staged;
-	int status = stage_open(&staged, path);
-	if (status)
-		return status;
-	if (staged.format == INPUT_JSON) {
-		log_error("%s: byte 0: JSON, where OpenStreetMap data is wanted", path);
-		status = -EBADMSG;
-	} else {
-		status = parse_staged(store, &staged, path);
-	}
-	stage_close(&staged);
-	return status;
 }

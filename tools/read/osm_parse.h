@@ -1,10 +1,12 @@
-/* OSM files into a store: .osm, .osm.pbf, and .gz or .bz2 of these. */
+/* OSM files into a store, XML or PBF, by readosm. */
 #ifndef BLVD_TOOLS_READ_OSM_PARSE_H
 #define BLVD_TOOLS_READ_OSM_PARSE_H
 
 #include "tools/read/osm_store.h"
+#include "tools/read/stage.h"
 
-/* Returns 0, -errno, or -EBADMSG; everything but 0 after logging one line that names the file and the place in it. */
-int osm_parse(struct osm_store *store, const char *path);
+/* `name` is what the user called the file. Returns 0, -errno, or -EBADMSG; everything but 0 after logging one line that
+ * names the file and the place in it. */
+int osm_parse(struct osm_store *store, const struct staged *staged, const char *name);
 
 #endif

@@ -7,10 +7,12 @@
 #include "platform/base/log.h"
 #include "tools/bake/bake.h"
 #include "tools/read/building_set.h"
+#include "tools/read/cityjson.h"
 #include "tools/read/osm_cut.h"
 #include "tools/read/osm_parse.h"
 #include "tools/read/osm_reader.h"
 #include "tools/read/settle.h"
+#include "tools/read/stage.h"
 #include "tools/read/terrain.h"
 #include "tools/read/traffic_side.h"
 
@@ -267,16 +269,43 @@ static void set_bounds_of(const struct building_set *set, struct geo_bounds *out
 	}
 }
 
+/* Tiles, CityJSON or OSM: the content tells. */
+static int read_input(struct sources *sources, const char *path, struct report *report)
+{
+	struct staged staged;
+	if (tiles_is_folder(path))
+		return tiles_read(&sources->osm, &sources->contours, path);
+	int status = stage_open(&staged, path);
+	if (status)
+		return status;
+	status = staged.format == INPUT_JSON ? cityjson_read(&sources->set, staged.path, path, report)
+										 : osm_parse(&sources->osm, &staged, path);
+	stage_close(&staged);
+	return status;
+}
+
 static int read_sources(struct sources *sources, const struct read_options *options, struct report *report)
 {
 	int status = 0;
 	for (size_t i = 0; i < options->input_count && !status; i++)
-		status = tiles_is_folder(options->inputs[i]) ? tiles_read(&sources->osm, &sources->contours, options->inputs[i])
-													 : osm_parse(&sources->osm, options->inputs[i]);
+		status = read_input(sources, options->inputs[i], report);
 	for (size_t i = 0; i < options->building_file_count && !status; i++)
 		status = building_set_read(&sources->set, options->building_files[i], options->height_field, report);
 	osm_store_sort(&sources->osm);
 	return status;
+}
+
+/* Who is to be named wherever the city is drawn: OpenStreetMap, and other sets by the names of their files. */
+static const char *credit_of(struct city *city, const struct read_options *options, const struct sources *sources)
+{
+	char text[256];
+	bool osm = sources->osm.nodes.count > 0;
+	size_t used = (size_t)snprintf(text, sizeof(text), "%s", osm ? OSM_CREDIT : "");
+	const char *const *more = osm ? options->building_files : options->inputs;
+	size_t count = osm ? options->building_file_count : options->input_count;
+	for (size_t i = 0; i < count && used < sizeof(text); i++)
+		used += (size_t)snprintf(text + used, sizeof(text) - used, "%s%s", used ? "; " : "", name_of(city, more[i]));
+	return pool_string(&city->pool, text);
 }
 
 static int make_city(struct city *city, const struct read_options *options, struct sources *sources)
@@ -296,11 +325,14 @@ static int make_city(struct city *city, const struct read_options *options, stru
 	}
 	set_frame(city, &bounds);
 	make_features(city, sources, &bounds, options->bounds != NULL);
-	city->attribution = OSM_CREDIT;
+	city->attribution = credit_of(city, options, sources);
 	city->right_hand_traffic = traffic_side_right(city, &sources->osm);
 	set_extent(city);
 	osm_store_tally(&sources->osm);
-	return terrain_read(city, options->terrain_files, options->terrain_file_count, &sources->contours);
+	int status = terrain_read(city, options->terrain_files, options->terrain_file_count, &sources->contours);
+	if (!status)
+		building_set_lift(city);
+	return status;
 }
 
 int read_city(struct city *city, const struct read_options *options)

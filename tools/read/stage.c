@@ -172,7 +172,7 @@ int stage_open(struct staged *staged, const char *path)
 {
 	unsigned char head[16];
 	size_t size = 0;
-	staged->folder[0] = 0;
+	*staged = (struct staged){ 0 };
 	int status = sniff(path, head, &size);
 	if (status)
 		return status;
