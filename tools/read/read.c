@@ -207,6 +207,20 @@ static void drop_outside(struct city *city, const struct bounds *bounds, size_t 
 	city->buildings.count = kept;
 }
 
+/* An element whose building turned out to be another's double was read in vain. */
+static void mark_dropped(struct osm_store *store, int64_t id)
+{
+	if (id < 0) {
+		struct osm_relation *relation = osm_store_relation(store, -id);
+		if (relation)
+			relation->fate = ELEMENT_FAULTY;
+	} else {
+		struct osm_way *way = osm_store_way(store, id);
+		if (way)
+			way->fate = ELEMENT_FAULTY;
+	}
+}
+
 /* What was read and is not in the city yet. */
 struct sources {
 	struct osm_store osm;
@@ -228,10 +242,14 @@ static void make_features(struct city *city, struct sources *sources, const stru
 	osm_make_areas(&reader);
 	osm_make_trees(&reader);
 	size_t of_osm = city->buildings.count;
+	id_array dropped = { 0 };
 	building_set_make(&sources->set, city, &reader.shaper);
 	if (clip)
 		drop_outside(city, &reader.built, of_osm);
-	settle_buildings(city, &reader.shaper, of_osm);
+	settle_buildings(city, &reader.shaper, of_osm, &dropped);
+	for (size_t i = 0; i < dropped.count; i++)
+		mark_dropped(store, dropped.items[i]);
+	ARRAY_FINISH(&dropped);
 	shaper_finish(&reader.shaper);
 	ARRAY_FINISH(&reader.aliases);
 }

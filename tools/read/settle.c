@@ -139,7 +139,7 @@ static void find_losers(
 	ARRAY_FINISH(&near);
 }
 
-static void drop_duplicates(struct city *city, const struct shaper *shaper, size_t preferred_first)
+static void drop_duplicates(struct city *city, const struct shaper *shaper, size_t preferred_first, id_array *dropped)
 {
 	bounds_array boxes = { 0 };
 	struct box_index index;
@@ -152,6 +152,8 @@ static void drop_duplicates(struct city *city, const struct shaper *shaper, size
 	for (size_t i = 0; i < city->buildings.count; i++)
 		if (!lost[i])
 			city->buildings.items[kept++] = city->buildings.items[i];
+		else if (i < preferred_first)
+			ARRAY_PUSH(dropped, city->buildings.items[i].id);
 	city->buildings.count = kept;
 	box_index_finish(&index);
 	ARRAY_FINISH(&boxes);
@@ -332,10 +334,10 @@ static void assign_parts(struct city *city, const struct shaper *shaper)
 	free(parts.next);
 }
 
-void settle_buildings(struct city *city, struct shaper *shaper, size_t preferred_first)
+void settle_buildings(struct city *city, struct shaper *shaper, size_t preferred_first, id_array *dropped)
 {
 	for (size_t i = 0; i < city->buildings.count; i++)
 		mend_height_order(city, &city->buildings.items[i]);
-	drop_duplicates(city, shaper, preferred_first);
+	drop_duplicates(city, shaper, preferred_first, dropped);
 	assign_parts(city, shaper);
 }

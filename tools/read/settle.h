@@ -8,7 +8,9 @@
 #include "tools/read/shape.h"
 
 /* `preferred_first`: buildings from this index on come from a building set and win over those before it. Pass the
- * number of buildings when there is no set. */
-void settle_buildings(struct city *city, struct shaper *shaper, size_t preferred_first);
+ * number of buildings when there is no set. `dropped` receives the ids of those of OSM (before that index) that went.
+ */
+typedef ARRAY(int64_t) id_array;
+void settle_buildings(struct city *city, struct shaper *shaper, size_t preferred_first, id_array *dropped);
 
 #endif
