@@ -399,11 +399,11 @@ static int finish(struct machine *m, int code)
 int main(int argc, char **argv)
 {
 	machine.started_ns = clock_now_ns();
+	catch_signals();
 	log_init("boulevard", LOG_INFO);
 	options_parse(&machine.options, argc, argv);
 	if (machine.options.verbose)
 		log_init("boulevard", LOG_DEBUG);
-	catch_signals();
 	int code = start(&machine);
 	if (code == EXIT_CODE_DONE)
 		code = run(&machine);

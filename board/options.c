@@ -1,6 +1,7 @@
 #include "board/options.h"
 
 #include <argp.h>
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -214,6 +215,7 @@ static void check_whole(const struct options *out, struct argp_state *state)
 static error_t parse_option(int key, char *value, struct argp_state *state)
 {
 	struct options *out = state->input;
+	assert(out);
 	if (key == ARGP_KEY_END) {
 		check_whole(out, state);
 		return 0;

@@ -43,7 +43,7 @@ static void point_on_half(const struct pkg_graph *graph, uint32_t half, double a
 
 static struct dvec2 start_direction(const struct pkg_graph *graph, uint32_t half)
 {
-	int32_t at[3];
+	int32_t at[3] = { 0 };
 	const int32_t *from = graph->nodes[graph->halves[half].origin].pos_mm;
 	point_on_half(graph, half, 12.0, at);
 	struct dvec2 out = { (double)at[0] - from[0], (double)at[1] - from[1] };
@@ -219,7 +219,7 @@ int label_grid_init(struct labels *labels, struct arena *arena)
 	if (!labels->cell_first || !labels->cell_edges)
 		return -ENOMEM;
 	/* Counting sort: counts one place to the right, so that filling leaves each cell's start in its own place. */
-	int32_t at[3];
+	int32_t at[3] = { 0 };
 	for (uint32_t i = 0; i < graph->edge_count; i++)
 		if (middle_of(graph, i, at))
 			labels->cell_first[cell_of(labels, at) + 2]++;

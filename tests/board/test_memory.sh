@@ -1,5 +1,5 @@
 #!/bin/sh
-# A long drive keeps its size: resident memory after 30 simulated minutes is what it was after the first minute, and the budget holds.
+# A long drive keeps its size: resident memory late in 30 simulated minutes is what it was early, and the budget holds.
 set -eu
 build=$1
 blvd=$build/tools/blvd
@@ -26,20 +26,24 @@ awk -v repeats=15 '{
 
 "$boulevard" a.blvd --replay long.candump --headless --size 160x96 --samples 1 --fps 2 --stats stats.json 2>err.txt &
 pid=$!
-first=0 peak=0
-# resident size by the kernel's count, a few times a second; the first minute of the drive ends at about 1/30 of the run
+early=0 late=0
+sleep 1 # the handler of SIGUSR1 is in place by then
+# The rasteriser's own scratch memory swings by about 1 MiB from frame to frame without a trend, so the least that the kernel counts in
+# the first minutes is held against the least in the last ones, with 2 MiB to spare: a leak of 1 KiB a frame is found.
 while kill -0 $pid 2>/dev/null; do
 	now=$(awk '/VmRSS/ { print $2 }' /proc/$pid/status 2>/dev/null || true)
-	[ -z "$now" ] || { [ "$now" -le "$peak" ] || peak=$now; }
 	kill -USR1 $pid 2>/dev/null || true
 	frames=$(jq -r .frames stats.json 2>/dev/null || echo 0)
-	[ "$first" -ne 0 ] || [ "${frames:-0}" -lt 120 ] || first=$peak
-	sleep 0.2
+	if [ -n "$now" ] && [ "${frames:-0}" -gt 60 ] && [ "$frames" -lt 700 ]; then
+		[ $early -ne 0 ] && [ "$now" -ge $early ] || early=$now
+	elif [ -n "$now" ] && [ "${frames:-0}" -gt 2400 ]; then
+		[ $late -ne 0 ] && [ "$now" -ge $late ] || late=$now
+	fi
+	sleep 0.1
 done
 wait $pid || { cat err.txt; exit 1; }
 frames=$(jq .frames stats.json)
 [ "$frames" -ge 3500 ] || { echo "only $frames frames"; exit 1; }
 jq -e '.memory.allocations_after_start == 0' stats.json >/dev/null
-echo "resident after one minute: $first KiB, at most: $peak KiB, $frames frames"
-# a page or two may come and go with the kernel's accounting
-[ "$first" -eq 0 ] || [ "$peak" -le $((first + 512)) ]
+echo "held early: $early KiB, late: $late KiB, $frames frames"
+[ $early -gt 0 ] && [ $late -gt 0 ] && [ $late -le $((early + 2048)) ]
