@@ -348,6 +348,10 @@ static const struct fault_case fault_cases[] = {
 		FAULT_OVERLAPPING_BUILDING, 0, 1, 1, 0 },
 	{ "a name with a control character", WAY("500", STREET TAG("highway", "residential") TAG("name", "A&#9;B")),
 		FAULT_BAD_STRING, 1, 0, 0, 1 },
+	{ "a name that is no UTF-8",
+		WAY("500", STREET TAG("highway", "residential") TAG("name", "Gen\xE8"
+																	"ve")),
+		FAULT_BAD_STRING, 1, 0, 0, 1 },
 	{ "a node off the earth", "<node id='300' lat='146.2' lon='6.1'/>" WAY("500", STREET TAG("highway", "residential")),
 		FAULT_BAD_NUMBER, 0, 1, 0, 1 },
 	{ "a node on another continent",

@@ -78,10 +78,22 @@ static int on_relation(const void *data, const readosm_relation *from)
 	return READOSM_OK;
 }
 
-int osm_parse(struct osm_store *store, const struct staged *staged, const char *name)
+static int check(struct osm_store *store, struct staged *staged, const char *name)
 {
-	int status =
-		staged->format == INPUT_OSM_PBF ? osm_check_pbf(staged->path, name) : osm_check_xml(staged->path, name);
+	uint64_t mended;
+	if (staged->format == INPUT_OSM_PBF)
+		return osm_check_pbf(staged->path, name);
+	int status = stage_mend_text(staged, name, &mended);
+	if (status)
+		return status;
+	for (uint64_t i = 0; i < mended; i++)
+		report_fault(store->report, FAULT_BAD_STRING, FAULT_MENDED, 0);
+	return osm_check_xml(staged->path, name);
+}
+
+int osm_parse(struct osm_store *store, struct staged *staged, const char *name)
+{
+	int status = check(store, staged, name);
 	if (status)
 		return status;
 	const void *handle = NULL;

@@ -19,6 +19,8 @@
 #define OSM_CREDIT "\xC2\xA9 OpenStreetMap contributors, ODbL"
 /* A node of a street or house this far from the middle of all of them is a mistake. */
 #define FAR_DEG 1.0
+/* Beyond it the plane of the frame is no map of the city any more. */
+#define EXTENT_LIMIT_M 200000.0
 
 bool osm_length(struct osm_reader *reader, const struct osm_tags *tags, const char *key, int64_t id, double low,
 	double high, double *out)
@@ -342,6 +344,14 @@ static int make_city(struct city *city, const struct read_options *options, stru
 		return -EBADMSG;
 	}
 	set_frame(city, &bounds);
+	struct bounds extent = plane_bounds(city, &bounds);
+	double width = extent.max.x - extent.min.x, height = extent.max.y - extent.min.y;
+	if (!(fmax(width, height) < EXTENT_LIMIT_M)) {
+		log_error("%s: the inputs cover %.0f x %.0f km; a city is at most %.0f km wide (--bbox cuts one out)",
+			options->input_count ? options->inputs[0] : "input", width / 1000.0, height / 1000.0,
+			EXTENT_LIMIT_M / 1000.0);
+		return -EBADMSG;
+	}
 	make_features(city, sources, &bounds, options->bounds != NULL);
 	city->attribution = credit_of(city, options, sources);
 	city->right_hand_traffic = traffic_side_right(city, &sources->osm);

@@ -11,7 +11,9 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include "platform/base/file_map.h"
 #include "platform/base/log.h"
+#include "tools/read/text.h"
 
 #define CHUNK_BYTES 65536
 /* A city is well below; a bomb is not. */
@@ -215,7 +217,92 @@ void stage_close(struct staged *staged)
 {
 	if (!staged->folder[0])
 		return;
-	unlink(staged->path);
+	if (!strncmp(staged->path, staged->folder, strlen(staged->folder)))
+		unlink(staged->path);
 	rmdir(staged->folder);
 	staged->folder[0] = 0;
+}
+
+/* The bytes of a character that XML 1.0 allows, or 0. Near the end of the file a copy stands in, for text_sequence()
+ * wants a NUL. */
+static size_t allowed(const uint8_t *at, size_t left)
+{
+	char tail[5] = { 0 };
+	memcpy(tail, at, left < 4 ? left : 4);
+	size_t length = text_sequence(tail);
+	bool control = length == 1 && (uint8_t)tail[0] < 0x20 && !strchr("\t\n\r", tail[0]);
+	return control ? 0 : length;
+}
+
+static bool is_utf8(const struct span *bytes)
+{
+	char head[201] = { 0 };
+	memcpy(head, bytes->data, bytes->size < 200 ? bytes->size : 200);
+	char *end = strstr(head, "?>");
+	if (end)
+		*end = 0;
+	const char *encoding = end ? strstr(head, "encoding") : NULL;
+	/* UTF-16 has a zero in its first two bytes or a mark that is no UTF-8. */
+	bool wide = bytes->size >= 2 && (!head[0] || !head[1] || (uint8_t)head[0] >= 0xFE);
+	return !wide && (!encoding || strcasestr(encoding, "utf-8"));
+}
+
+static int write_mended(FILE *to, const struct span *bytes)
+{
+	for (size_t i = 0; i < bytes->size;) {
+		size_t length = allowed(bytes->data + i, bytes->size - i);
+		uint8_t byte = bytes->data[i];
+		if (length)
+			fwrite(bytes->data + i, 1, length, to);
+		else if (byte < 0xA0)
+			fputc(' ', to);
+		else
+			fprintf(to, "%c%c", 0xC0 | byte >> 6, 0x80 | (byte & 0x3F));
+		i += length ? length : 1;
+	}
+	return ferror(to) ? -EIO : 0;
+}
+
+static uint64_t count_bad(const struct span *bytes)
+{
+	uint64_t bad = 0;
+	bool last = false;
+	for (size_t i = 0; i < bytes->size;) {
+		size_t length = allowed(bytes->data + i, bytes->size - i);
+		bad += !length && !last;
+		last = !length;
+		i += length ? length : 1;
+	}
+	return bad;
+}
+
+int stage_mend_text(struct staged *staged, const char *name, uint64_t *mended)
+{
+	struct file_map map;
+	char path[sizeof(staged->folder) + 16];
+	int status = file_map_open(&map, staged->path);
+	*mended = 0;
+	if (status)
+		return fail(name, -status);
+	if (is_utf8(&map.bytes))
+		*mended = count_bad(&map.bytes);
+	if (*mended && !staged->folder[0])
+		status = make_folder(staged);
+	if (*mended && !status) {
+		snprintf(path, sizeof(path), "%s/mended.osm", staged->folder);
+		FILE *to = fopen(path, "wbxe");
+		status = to ? write_mended(to, &map.bytes) : -errno;
+		if (to && fclose(to) && !status)
+			status = -errno;
+		if (status)
+			fail(path, -status);
+	}
+	file_map_close(&map);
+	if (*mended && !status) {
+		/* Only what lies in the folder is ours to remove. */
+		if (!strncmp(staged->path, staged->folder, strlen(staged->folder)))
+			unlink(staged->path);
+		snprintf(staged->path, sizeof(staged->path), "%s", path);
+	}
+	return status;
 }
