@@ -137,6 +137,11 @@ static int open_renderer(struct machine *m)
 {
 	struct options *o = &m->options;
 	const char *far_name = o->far_name && strcmp(o->far_name, "auto") != 0 ? o->far_name : "full";
+	static const enum wording_units units[] = {
+		[PROFILE_UNITS_AUTO] = UNITS_AUTO,
+		[PROFILE_UNITS_METRIC] = UNITS_METRIC,
+		[PROFILE_UNITS_IMPERIAL] = UNITS_MILES_FEET,
+	};
 	struct renderer_config config = {
 		.width = o->width,
 		.height = o->height,
@@ -146,7 +151,7 @@ static int open_renderer(struct machine *m)
 		.get_proc = display_get_proc,
 		.overlay = true,
 		.overlay_config = {
-			.units = m->profile.units == PROFILE_UNITS_IMPERIAL ? UNITS_MILES_FEET : UNITS_METRIC,
+			.units = units[m->profile.units],
 			.zone_given = true,
 			.utc_offset_minutes = (int32_t)m->pkg.meta->utc_offset_minutes,
 		},
@@ -395,6 +400,15 @@ static int finish(struct machine *m, int code)
 		munmap(m->memory, (size_t)m->memory_bytes);
 	return code;
 }
+
+#ifdef __SANITIZE_ADDRESS__
+/* GL drivers hold memory to the end of the process; nothing of ours comes from the heap. */
+const char *__asan_default_options(void); /* NOLINT: the sanitizer's name */
+const char *__asan_default_options(void)  /* NOLINT */
+{
+	return "detect_leaks=0";
+}
+#endif
 
 int main(int argc, char **argv)
 {

@@ -351,7 +351,7 @@ static bool set_in_signals(struct reader *in, const char *key, char *value)
 static bool set_word(struct reader *in, const char *section, const char *key, char *value)
 {
 	static const char *const styles[] = { "auto", "day", "dusk", "night", NULL };
-	static const char *const units[] = { "metric", "imperial", NULL };
+	static const char *const units[] = { "auto", "metric", "imperial", NULL };
 	struct profile *profile = in->profile;
 	int choice;
 	if (!strcmp(section, "display") && !strcmp(key, "style")) {

@@ -18,7 +18,7 @@
 #define PROFILE_DBC_BUILTIN "builtin:boulevard" /* the virtual car's definitions, without a file */
 
 enum profile_style { PROFILE_STYLE_AUTO, PROFILE_STYLE_DAY, PROFILE_STYLE_DUSK, PROFILE_STYLE_NIGHT };
-enum profile_units { PROFILE_UNITS_METRIC, PROFILE_UNITS_IMPERIAL };
+enum profile_units { PROFILE_UNITS_AUTO, PROFILE_UNITS_METRIC, PROFILE_UNITS_IMPERIAL };
 
 struct profile_map {
 	int64_t raw;
