@@ -26,10 +26,11 @@ struct bake_options {
 	const char *output, *report, *height_field, *name;
 	double bounds[4];
 	bool bounded;
+	enum pkg_texture_format textures;
 	bool quiet;
 };
 
-enum { OPT_REPORT = 256, OPT_BUILDINGS, OPT_HEIGHT_FIELD, OPT_TERRAIN, OPT_NAME, OPT_FONT, OPT_BBOX };
+enum { OPT_REPORT = 256, OPT_BUILDINGS, OPT_HEIGHT_FIELD, OPT_TERRAIN, OPT_NAME, OPT_FONT, OPT_BBOX, OPT_TEXTURES };
 
 static const struct argp_option option_table[] = {
 	{ "output", 'o', "CITY.blvd", 0, "the package to write", 0 },
@@ -39,6 +40,8 @@ static const struct argp_option option_table[] = {
 	{ "bbox", OPT_BBOX, "W,S,E,N", 0, "keep what lies inside these degrees", 0 },
 	{ "name", OPT_NAME, "TEXT", 0, "the city's name; default from the first input", 0 },
 	{ "font", OPT_FONT, "FILE", 0, "font for names and instruments; repeat for more scripts", 0 },
+	{ "textures", OPT_TEXTURES, "etc2|rgba8", 0, "how textures are stored: a quarter of the size (default), or exact",
+		0 },
 	{ "report", OPT_REPORT, "FILE.json", 0, "write what was read, mended and dropped", 0 },
 	{ "quiet", 'q', NULL, 0, "print errors only", 0 },
 	{ 0 },
@@ -60,6 +63,13 @@ static void parse_bounds(struct bake_options *options, const char *text, struct 
 	options->bounded = true;
 }
 
+static enum pkg_texture_format parse_textures(const char *text, struct argp_state *state)
+{
+	if (strcmp(text, "etc2") != 0 && strcmp(text, "rgba8") != 0)
+		argp_error(state, "--textures wants etc2 or rgba8, not '%s'", text);
+	return text[0] == 'e' ? PKG_TEXTURE_ETC2_RGBA : PKG_TEXTURE_RGBA8;
+}
+
 static error_t parse_option(int key, char *value, struct argp_state *state)
 {
 	struct bake_options *options = state->input;
@@ -75,6 +85,9 @@ static error_t parse_option(int key, char *value, struct argp_state *state)
 		return 0;
 	case OPT_HEIGHT_FIELD:
 		options->height_field = value;
+		return 0;
+	case OPT_TEXTURES:
+		options->textures = parse_textures(value, state);
 		return 0;
 	case OPT_NAME:
 		options->name = value;
@@ -153,7 +166,7 @@ static void *bake_buildings(void *context)
 	buildings_build(&bake->city, &graph, bake->buildings);
 	bake->report.seconds[STEP_BUILDINGS] = (double)(clock_now_ns() - started) / 1e9;
 	started = clock_now_ns();
-	materials_paint(&bake->materials);
+	materials_paint(&bake->materials, bake->options->textures);
 	bake->report.seconds[STEP_TEXTURES] = (double)(clock_now_ns() - started) / 1e9;
 	return NULL;
 }
@@ -213,7 +226,8 @@ static int bake_text(struct bake *bake)
 
 static uint64_t hash_options(const struct bake_options *options)
 {
-	uint64_t hash = hash_u64(options->inputs.count + options->buildings.count * 16 + options->terrain.count * 256);
+	uint64_t hash = hash_u64(options->inputs.count + options->buildings.count * 16 + options->terrain.count * 256 +
+							 ((uint64_t)options->textures << 32));
 	for (int i = 0; i < 4; i++) {
 		uint64_t bits;
 		memcpy(&bits, &options->bounds[i], sizeof(bits));
@@ -317,7 +331,7 @@ static void finish(struct bake *bake)
 
 int cmd_bake(int argc, char **argv)
 {
-	struct bake_options options = { 0 };
+	struct bake_options options = { .textures = PKG_TEXTURE_ETC2_RGBA };
 	argp_parse(&parser, argc, argv, 0, NULL, &options);
 	if (options.quiet)
 		log_init("blvd", LOG_ERROR);

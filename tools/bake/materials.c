@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tools/bake/etc2.h"
+
 #define PX MATERIAL_TEXTURE_PX
 #define LAYER_TEXELS ((size_t)PX * PX)
 
@@ -77,7 +79,31 @@ static void pack(struct materials *out, const struct material_layer *layers, int
 	}
 }
 
-void materials_paint(struct materials *out)
+/* The same levels and layers in blocks. */
+static void compress(struct materials *materials)
+{
+	struct pkg_texture_array header;
+	memcpy(&header, materials->texture.items, sizeof(header));
+	const uint8_t *from = materials->texture.items + sizeof(header);
+	header.format = PKG_TEXTURE_ETC2_RGBA;
+	size_t bytes = sizeof(header);
+	for (unsigned px = PX; px > 0; px /= 2)
+		bytes += etc2_bytes(px, px) * header.layers;
+	uint8_t *packed = array_grow(NULL, &(size_t){ 0 }, bytes, 1), *to = packed + sizeof(header);
+	memcpy(packed, &header, sizeof(header));
+	for (unsigned px = PX; px > 0; px /= 2) {
+		for (unsigned i = 0; i < header.layers; i++) {
+			etc2_encode(to, (const uint8_t(*)[4])from, px, px);
+			from += (size_t)px * px * 4;
+			to += etc2_bytes(px, px);
+		}
+	}
+	ARRAY_FINISH(&materials->texture);
+	materials->texture.items = packed;
+	materials->texture.count = materials->texture.capacity = bytes;
+}
+
+void materials_paint(struct materials *out, enum pkg_texture_format format)
 {
 	*out = (struct materials){ 0 };
 	float linear[256];
@@ -95,6 +121,8 @@ void materials_paint(struct materials *out)
 	for (int i = 0; i < count; i++)
 		ARRAY_PUSH(&out->table, describe(&layers[i], i, linear));
 	pack(out, layers, count, linear);
+	if (format == PKG_TEXTURE_ETC2_RGBA)
+		compress(out);
 	array_free(texels);
 }
 

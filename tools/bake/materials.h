@@ -137,7 +137,8 @@ struct materials {
 	ARRAY(struct pkg_material) table;
 	ARRAY(uint8_t) texture; /* struct pkg_texture_array and the bytes behind it */
 };
-void materials_paint(struct materials *out);
+/* `format`: RGBA8 or ETC2_RGBA. */
+void materials_paint(struct materials *out, enum pkg_texture_format format);
 void materials_finish(struct materials *materials);
 
 #endif

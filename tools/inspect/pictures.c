@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tools/bake/etc2.h"
 #include "tools/city/pool.h"
 #include "tools/measure/image.h"
 
@@ -100,23 +101,36 @@ static int draw_light(const struct pkg *pkg, const char *folder)
 	return write_picture(&image, folder, "light.png");
 }
 
+/* A layer's largest level as RGBA8, in `decoded` if the package has it in blocks. */
+static const uint8_t *layer_texels(const struct pkg *pkg, uint32_t layer, uint8_t *decoded)
+{
+	const struct pkg_texture_array *array = pkg->textures;
+	if (array->format == PKG_TEXTURE_RGBA8)
+		return pkg->texture_bytes + (size_t)layer * array->width * array->height * 4;
+	const uint8_t *blocks = pkg->texture_bytes + layer * etc2_bytes(array->width, array->height);
+	etc2_decode((uint8_t(*)[4])decoded, blocks, array->width, array->height);
+	return decoded;
+}
+
 static int draw_textures(const struct pkg *pkg, const char *folder)
 {
 	const struct pkg_texture_array *array = pkg->textures;
-	if (!array || array->format != PKG_TEXTURE_RGBA8)
+	if (!array || (array->format != PKG_TEXTURE_RGBA8 && array->format != PKG_TEXTURE_ETC2_RGBA))
 		return 0;
 	uint32_t columns = (uint32_t)ceil(sqrt(array->layers)), rows = (array->layers + columns - 1) / columns;
 	struct image image = image_new(columns * array->width, rows * array->height, 255);
+	uint8_t *decoded = array_grow(NULL, &(size_t){ 0 }, (size_t)array->width * array->height, 4);
 	for (uint32_t layer = 0; layer < array->layers; layer++) {
+		const uint8_t *texels = layer_texels(pkg, layer, decoded);
 		for (uint32_t y = 0; y < array->height; y++) {
 			/* rows run from v = 0 up */
-			const uint8_t *from =
-				pkg->texture_bytes + (((size_t)layer * array->height + array->height - 1 - y) * array->width) * 4;
+			const uint8_t *from = texels + (size_t)(array->height - 1 - y) * array->width * 4;
 			size_t to = (size_t)(layer / columns * array->height + y) * image.width + layer % columns * array->width;
 			for (uint32_t x = 0; x < array->width; x++)
 				memcpy(image.rgb + 3 * (to + x), from + 4 * x, 3);
 		}
 	}
+	array_free(decoded);
 	return write_picture(&image, folder, "textures.png");
 }
 

@@ -1,0 +1,68 @@
+/* The ways to store a block, shared by the encoder's files and the decoder. Sections named are of the Khronos
+ * Data Format Specification 1.3. Bits are counted as there: bit 63 is the first of the block's eight bytes. */
+#ifndef BLVD_TOOLS_BAKE_ETC2_MODES_H
+#define BLVD_TOOLS_BAKE_ETC2_MODES_H
+
+#include <stdint.h>
+
+/* The best block found so far. */
+struct etc2_choice {
+	uint64_t bits;
+	uint32_t error; /* sum of squares over 16 texels and 3 channels, of what a decoder yields */
+};
+
+/* Each replaces *best if it finds a block with a smaller error. */
+void etc2_try_solid(const uint8_t texels[16][4], struct etc2_choice *best);  /* all texels are as the first */
+void etc2_try_halves(const uint8_t texels[16][4], struct etc2_choice *best); /* individual and differential */
+void etc2_try_planar(const uint8_t texels[16][4], struct etc2_choice *best);
+void etc2_try_paints(const uint8_t texels[16][4], struct etc2_choice *best); /* T and H */
+uint64_t etc2_alpha_block(const uint8_t texels[16][4]);
+
+/* Smaller and larger step from the base colour, both ways: ETC1, "Intensity modifier sets". */
+extern const uint8_t etc2_steps[8][2];
+/* Distances of the T and H modes: "Format RGB ETC2". */
+extern const uint8_t etc2_distances[8];
+/* Alpha modifiers by table and index: "Format RGBA ETC2". */
+extern const int8_t etc2_alpha_steps[16][8];
+
+/* Indices are stored column by column; texel i counts row by row. */
+static inline unsigned etc2_place(unsigned i)
+{
+	return i % 4 * 4 + i / 4;
+}
+
+/* The two bits of a texel's index, in their two planes of 16. */
+static inline uint64_t etc2_index_bits(unsigned i, unsigned index)
+{
+	return (uint64_t)(index >> 1) << (16 + etc2_place(i)) | (uint64_t)(index & 1) << etc2_place(i);
+}
+
+static inline int etc2_clamp(int value)
+{
+	return value < 0 ? 0 : value > 255 ? 255 : value;
+}
+
+/* Widens 4 to 7 bits to 8 by repeating the high ones. */
+static inline int etc2_widen(int value, int bits)
+{
+	return bits == 4 ? value * 17 : value << (8 - bits) | value >> (2 * bits - 8);
+}
+
+static inline int etc2_square(int value)
+{
+	return value * value;
+}
+
+/* Error of the best of four colours for each texel; adds the indices to *bits. */
+uint32_t etc2_index_texels(const uint8_t texels[16][4], const int colours[4][3], uint64_t *bits);
+
+/* The T, H and planar modes are marked by a sum that leaves 0 to 31: two bits of the base, two of the difference; the
+ * bits between and above are free and make it overflow. Returns those at their place above `low`, the lowest bit of the
+ * difference. */
+static inline uint64_t etc2_overflow(unsigned base, unsigned difference, unsigned low)
+{
+	uint64_t filler = base + difference >= 4 ? 7u << 5 : 1u << 2;
+	return (filler | base << 3 | difference) << low;
+}
+
+#endif
