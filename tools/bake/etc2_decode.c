@@ -100,13 +100,12 @@ static int overflows(uint64_t bits, int low)
 
 static void decode_colour(uint8_t texels[16][4], uint64_t bits)
 {
-	if (!field(bits, 33, 33))
-		decode_halves(texels, bits);
-	else if (overflows(bits, 56))
+	int differential = field(bits, 33, 33);
+	if (differential && overflows(bits, 56))
 		decode_t(texels, bits);
-	else if (overflows(bits, 48))
+	else if (differential && overflows(bits, 48))
 		decode_h(texels, bits);
-	else if (overflows(bits, 40))
+	else if (differential && overflows(bits, 40))
 		decode_planar(texels, bits);
 	else
 		decode_halves(texels, bits);

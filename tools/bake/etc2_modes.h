@@ -23,7 +23,7 @@ extern const uint8_t etc2_steps[8][2];
 /* Distances of the T and H modes: "Format RGB ETC2". */
 extern const uint8_t etc2_distances[8];
 /* Alpha modifiers by table and index: "Format RGBA ETC2". */
-extern const int8_t etc2_alpha_steps[16][8];
+extern const int16_t etc2_alpha_steps[16][8];
 
 /* Indices are stored column by column; texel i counts row by row. */
 static inline unsigned etc2_place(unsigned i)
