@@ -20,7 +20,7 @@ pictures() {
 		cd "$3" &&
 			"$build/tools/blvd" bake -q "$2/tests/tools/data/crossing.osm" -o city.blvd &&
 			still --camera driver --pose=-53,-140,0,0,0 -o street.png &&
-			still --pose=-90,-95,12,45,-15 -o junction.png &&
+			still --pose=-62,-97,9,12,-13 -o junction.png &&
 			still --pose=-30,45,55,308,-32 -o park.png &&
 			still --camera driver --pose=-53,-140,0,0,0 --time 23:30 -o night.png &&
 			replay
