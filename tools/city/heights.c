@@ -69,6 +69,14 @@ static double levels_of_walls(const struct building *building, double walls_m)
 	return fmax(1.0, floor((walls_m - rule->ground_extra_m) / rule->height_m + 0.5));
 }
 
+/* Detached houses, terraces, and rows of town houses that are known to be low. `top`: height, 0 not known. */
+static bool looks_like_house(const struct site *site, double top)
+{
+	bool loose =
+		site->attached ? site->area_m2 < 130.0 && site->density < 0.2 : site->area_m2 < 320.0 && site->density < 0.27;
+	return (loose && top < 11.0) || (site->area_m2 < 240.0 && top > 0.0 && top < 12.5);
+}
+
 static void infer_kind(struct building *building, const struct site *site)
 {
 	double top = building->height_m > 0.0 ? building->height_m : building->levels * 3.1;
@@ -80,12 +88,8 @@ static void infer_kind(struct building *building, const struct site *site)
 		building->kind = BUILDING_GARAGE;
 	else if (top > 45.0)
 		building->kind = BUILDING_COMMERCIAL;
-	else if (!site->attached && site->area_m2 < 320.0 && site->density < 0.27 && top < 11.0)
+	else if (looks_like_house(site, top))
 		building->kind = BUILDING_HOUSE;
-	else if (site->attached && site->area_m2 < 130.0 && site->density < 0.2 && top < 11.0)
-		building->kind = BUILDING_HOUSE; /* terraces */
-	else if (site->area_m2 < 240.0 && top > 0.0 && top < 12.5)
-		building->kind = BUILDING_HOUSE; /* rows of town houses, known to be low */
 	else if (!site->attached && site->area_m2 > 2500.0 && top < 12.0 && site->density < 0.4)
 		building->kind = BUILDING_INDUSTRIAL;
 	else

@@ -6,6 +6,7 @@
 #define BLVD_TOOLS_CITY_POOL_H
 
 #include <stddef.h>
+#include <stdlib.h>
 
 struct pool {
 	struct pool_block *blocks;
@@ -34,6 +35,10 @@ void *array_grow(void *items, size_t *capacity, size_t needed, size_t item_bytes
 #define ARRAY_PUSH(array, ...)                                                                                         \
 	(ARRAY_RESERVE((array), (array)->count + 1), (array)->items[(array)->count] = (__VA_ARGS__), (array)->count++)
 #define ARRAY_FINISH(array) (array_free((array)->items), (array)->items = NULL, (array)->count = (array)->capacity = 0)
+
+/* By qsort(), which wants no NULL: empty arrays have one. */
+#define ARRAY_SORT(array, compare)                                                                                     \
+	((array)->items ? qsort((array)->items, (array)->count, sizeof(*(array)->items), (compare)) : (void)0)
 
 void array_free(void *items);
 

@@ -2,6 +2,7 @@
 
 #include <cjson/cJSON.h>
 #include <errno.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -66,9 +67,8 @@ static void print_elements(const struct report *report, FILE *to)
 		const uint64_t *fates = report->elements[kind];
 		uint64_t total = fates[ELEMENT_USED] + fates[ELEMENT_FAULTY] + fates[ELEMENT_IGNORED];
 		if (total)
-			fprintf(to, "%-24s %10llu %10llu %10llu %10llu\n", element_names[kind], (unsigned long long)total,
-				(unsigned long long)fates[ELEMENT_USED], (unsigned long long)fates[ELEMENT_FAULTY],
-				(unsigned long long)fates[ELEMENT_IGNORED]);
+			fprintf(to, "%-24s %10" PRIu64 " %10" PRIu64 " %10" PRIu64 " %10" PRIu64 "\n", element_names[kind], total,
+				fates[ELEMENT_USED], fates[ELEMENT_FAULTY], fates[ELEMENT_IGNORED]);
 	}
 }
 
@@ -81,13 +81,12 @@ static void print_faults(const struct report *report, FILE *to)
 		if (!mended && !dropped)
 			continue;
 		print_words(to, fault_names[kind], 25);
-		fprintf(to, "%10llu %10llu %10llu  %lld\n", (unsigned long long)(mended + dropped), (unsigned long long)mended,
-			(unsigned long long)dropped, (long long)report->first_id[kind]);
+		fprintf(to, "%10" PRIu64 " %10" PRIu64 " %10" PRIu64 "  %" PRId64 "\n", (mended + dropped), mended, dropped,
+			report->first_id[kind]);
 		sum[0] += mended;
 		sum[1] += dropped;
 	}
-	fprintf(to, "%-24s %10llu %10llu %10llu\n", "all", (unsigned long long)(sum[0] + sum[1]),
-		(unsigned long long)sum[0], (unsigned long long)sum[1]);
+	fprintf(to, "%-24s %10" PRIu64 " %10" PRIu64 " %10" PRIu64 "\n", "all", (sum[0] + sum[1]), sum[0], sum[1]);
 }
 
 static void print_list(FILE *to, const char *title, const char *const *names, const uint64_t *values, int count)
@@ -97,7 +96,7 @@ static void print_list(FILE *to, const char *title, const char *const *names, co
 		if (!values[i])
 			continue;
 		print_words(to, names[i], 25);
-		fprintf(to, "%10llu\n", (unsigned long long)values[i]);
+		fprintf(to, "%10" PRIu64 "\n", values[i]);
 	}
 }
 
@@ -138,7 +137,7 @@ static void add_faults(cJSON *root, const struct report *report)
 		cJSON_AddNumberToObject(fault, "dropped", (double)dropped);
 		if (mended || dropped) { /* ids reach beyond what a double holds */
 			char id[24];
-			snprintf(id, sizeof(id), "%lld", (long long)report->first_id[kind]);
+			snprintf(id, sizeof(id), "%" PRId64, report->first_id[kind]);
 			cJSON_AddRawToObject(fault, "first_id", id);
 		}
 	}

@@ -40,7 +40,7 @@ static bool numbers(const cJSON *array, double out[3])
 {
 	const cJSON *item = array ? array->child : NULL;
 	for (int i = 0; i < 3; i++, item = item->next) {
-		if (!cJSON_IsNumber(item))
+		if (!item || !cJSON_IsNumber(item))
 			return false;
 		out[i] = item->valuedouble;
 	}
@@ -405,7 +405,9 @@ static int read_root(struct json_reader *reader, const cJSON *root)
 	if (status)
 		return status;
 	cJSON_ArrayForEach(object, cJSON_GetObjectItem(root, "CityObjects"))
+	{
 		reader->set->fates[make_object(reader, object)]++;
+	}
 	return 0;
 }
 

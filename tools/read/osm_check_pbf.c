@@ -84,7 +84,7 @@ static bool next_field(struct check *check, struct cursor *from, struct field *f
 		return refuse(check, "a damaged field");
 	field->number = (uint32_t)(key >> 3);
 	field->wire = (uint32_t)(key & 7);
-	const uint8_t *start = from->at;
+	const uint8_t *start;
 	switch (field->wire) {
 	case 0:
 		return read_varint(from, &field->value) || refuse(check, "a damaged number");

@@ -488,7 +488,7 @@ static void apply_aliases(struct osm_reader *reader)
 {
 	if (!reader->aliases.count)
 		return;
-	qsort(reader->aliases.items, reader->aliases.count, sizeof(struct node_alias), by_from);
+	ARRAY_SORT(&reader->aliases, by_from);
 	for (size_t i = 0; i < reader->city->ways.count; i++) {
 		struct way *way = &reader->city->ways.items[i];
 		for (size_t j = 0; j < way->node_count; j++)
@@ -609,11 +609,11 @@ void osm_make_restrictions(struct osm_reader *reader)
 		bool no = !strncmp(kind, "no_", 3), only = !strncmp(kind, "only_", 5);
 		struct members members = { 0 };
 		sort_members(reader, relation, &members);
-		if (!no && !only)
-			drop_restriction(reader, relation, FAULT_RESTRICTION);
-		else if (members.missing)
+		bool plain =
+			(no || only) && !members.via_way && members.via_count == 1 && members.from_count && members.to_count;
+		if ((no || only) && members.missing)
 			drop_restriction(reader, relation, FAULT_MISSING_MEMBER);
-		else if (members.via_way || members.via_count != 1 || !members.from_count || !members.to_count)
+		else if (!plain)
 			drop_restriction(reader, relation, FAULT_RESTRICTION);
 		else
 			push_restrictions(reader, relation, &members, only);

@@ -91,7 +91,7 @@ typedef ARRAY(double) double_array;
 
 static double median(double_array *values)
 {
-	qsort(values->items, values->count, sizeof(double), by_value);
+	ARRAY_SORT(values, by_value);
 	return values->items[values->count / 2];
 }
 

@@ -82,12 +82,10 @@ static enum tag_verdict feet_and_inches(const char *rest, double feet, enum tag_
 		if (take_number(&rest, &inches) == TAG_BAD)
 			return TAG_BAD;
 		rest = skip_blanks(rest);
-		if (!strncmp(rest, "in", 2))
+		if (!strncmp(rest, "in", 2) || !strncmp(rest, "''", 2))
 			rest += 2;
 		else if (*rest == '"')
 			rest++;
-		else if (!strncmp(rest, "''", 2))
-			rest += 2;
 		else
 			verdict = TAG_MENDED;
 	}

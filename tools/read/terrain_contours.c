@@ -46,7 +46,7 @@ static void cross_rows(const struct height_field *field, const struct ring *ring
 static void fill_rows(const struct height_field *field, struct crossings *rows, float height_m, float *low_m)
 {
 	for (size_t row = 0; row < field->rows; row++) {
-		qsort(rows[row].items, rows[row].count, sizeof(double), by_value);
+		ARRAY_SORT(&rows[row], by_value);
 		for (size_t k = 0; k + 1 < rows[row].count; k += 2) {
 			double from = (rows[row].items[k] - field->origin.x) / field->step_m;
 			double to = (rows[row].items[k + 1] - field->origin.x) / field->step_m;
@@ -98,16 +98,18 @@ static double interval(const contour_array *contours)
 static void relax(const struct height_field *field, const float *low_m, double step_m)
 {
 	float *h = field->height_m;
+	size_t columns = field->columns, rows = field->rows;
 	for (int pass = 0; pass < PASSES; pass++) {
 		/* Forwards and backwards in turn: no direction is preferred. */
-		for (size_t k = 0; k < field->columns * field->rows; k++) {
-			size_t i = pass % 2 ? field->columns * field->rows - 1 - k : k;
-			size_t col = i % field->columns, row = i / field->columns;
-			double west = (double)h[col ? i - 1 : i], east = (double)h[col + 1 < field->columns ? i + 1 : i];
-			double south = (double)h[row ? i - field->columns : i],
-				   north = (double)h[row + 1 < field->rows ? i + field->columns : i];
-			double mean = (west + east + south + north) / 4.0, low = (double)low_m[i];
-			h[i] = (float)fmin(fmax(mean, low), low + step_m);
+		for (size_t k = 0; k < rows; k++) {
+			size_t row = pass % 2 ? rows - 1 - k : k;
+			for (size_t l = 0; l < columns; l++) {
+				size_t col = pass % 2 ? columns - 1 - l : l, i = row * columns + col;
+				double west = (double)h[col ? i - 1 : i], east = (double)h[col + 1 < columns ? i + 1 : i];
+				double south = (double)h[row ? i - columns : i], north = (double)h[row + 1 < rows ? i + columns : i];
+				double mean = (west + east + south + north) / 4.0, low = (double)low_m[i];
+				h[i] = (float)fmin(fmax(mean, low), low + step_m);
+			}
 		}
 	}
 }

@@ -76,7 +76,7 @@ static void node_stations(
 	for (size_t i = 0; i < city->ways.count; i++)
 		for (size_t j = 0; on_ground(&city->ways.items[i]) && j < city->ways.items[i].node_count; j++)
 			ARRAY_PUSH(keys, (struct node_key){ city->ways.items[i].nodes[j].id, (uint32_t)keys->count, 0 });
-	struct dvec2 *places = malloc((keys->count + 1) * sizeof(*places));
+	struct dvec2 *places = calloc(keys->count + 1, sizeof(*places));
 	uint32_t *station_of = malloc((keys->count + 1) * sizeof(*station_of));
 	size_t next = 0;
 	if (!places || !station_of)
@@ -84,7 +84,7 @@ static void node_stations(
 	for (size_t i = 0; i < city->ways.count; i++)
 		for (size_t j = 0; on_ground(&city->ways.items[i]) && j < city->ways.items[i].node_count; j++)
 			places[next++] = city->ways.items[i].nodes[j].at;
-	qsort(keys->items, keys->count, sizeof(struct node_key), by_node);
+	ARRAY_SORT(keys, by_node);
 	for (size_t i = 0; i < keys->count; i++) {
 		struct node_key *key = &keys->items[i];
 		bool same = i && keys->items[i - 1].node == key->node;

@@ -40,7 +40,7 @@ static tile_place renamed(const renaming_array *renamings, tile_place place)
 
 static void apply(tile_line_array *lines, renaming_array *renamings)
 {
-	qsort(renamings->items, renamings->count, sizeof(struct renaming), by_from);
+	ARRAY_SORT(renamings, by_from);
 	for (size_t i = 0; i < lines->count; i++) {
 		struct tile_line *line = &lines->items[i];
 		size_t kept = 0;
@@ -68,7 +68,7 @@ static void snap_border(tile_line_array *lines, bool vertical)
 				ARRAY_PUSH(&ends, tile_place_of(across, along));
 		}
 	}
-	qsort(ends.items, ends.count, sizeof(tile_place), by_place);
+	ARRAY_SORT(&ends, by_place);
 	for (size_t i = 1; i < ends.count; i++) {
 		tile_place a = ends.items[i - 1], b = ends.items[i];
 		if (a == b || tile_east(a) != tile_east(b) || tile_south(b) - tile_south(a) > (int64_t)SNAP_UNITS)
@@ -93,7 +93,7 @@ static void count_usage(const tile_line_array *lines, struct usage *usage)
 	for (size_t i = 0; i < lines->count; i++)
 		for (size_t j = 0; lines->items[i].road && j < lines->items[i].count; j++)
 			ARRAY_PUSH(&usage->places, lines->items[i].places[j]);
-	qsort(usage->places.items, usage->places.count, sizeof(tile_place), by_place);
+	ARRAY_SORT(&usage->places, by_place);
 }
 
 static size_t uses(const struct usage *usage, tile_place place)
@@ -177,7 +177,7 @@ static void find_junctions(const tile_line_array *lines, insertion_array *out)
 			if (uses(&usage, end) > 1)
 				continue;
 			box_index_find(&index, bounds_grown((struct bounds){ at, at }, SNAP_UNITS), &near);
-			for (size_t n = 0; n < near.count; n++) {
+			for (size_t n = 0; segments.items && n < near.count; n++) {
 				struct segment segment = segments.items[near.items[n]];
 				const struct tile_line *other = &lines->items[segment.line];
 				double t, away;
@@ -194,7 +194,7 @@ static void find_junctions(const tile_line_array *lines, insertion_array *out)
 				ARRAY_PUSH(out, insertion);
 		}
 	}
-	qsort(out->items, out->count, sizeof(struct insertion), by_line);
+	ARRAY_SORT(out, by_line);
 	box_index_finish(&index);
 	ARRAY_FINISH(&usage.places);
 	ARRAY_FINISH(&segments);

@@ -519,7 +519,7 @@ static void add_way(
 	struct tiles *tiles, const tile_place *places, size_t count, bool close, struct osm_tags tags, place_array *all)
 {
 	int64_t *refs = POOL_ARRAY(&tiles->store->pool, int64_t, count + 1);
-	for (size_t i = 0; i < count + close; i++) {
+	for (size_t i = 0; count && i < count + close; i++) {
 		refs[i] = places[i % count];
 		ARRAY_PUSH(all, refs[i]);
 	}
@@ -563,7 +563,7 @@ static void add_area(struct tiles *tiles, const struct tile_area *area, place_ar
 
 static void add_nodes(struct tiles *tiles, place_array *all)
 {
-	qsort(all->items, all->count, sizeof(tile_place), by_place);
+	ARRAY_SORT(all, by_place);
 	for (size_t i = 0; i < all->count; i++) {
 		struct osm_node node = { .id = all->items[i], .fate = ELEMENT_IGNORED };
 		if (i && all->items[i - 1] == all->items[i])
@@ -592,7 +592,7 @@ static int read_files(struct tiles *tiles, const char *path)
 		log_error("%s: is a directory, and no vector tiles (z-x-y.mvt or z/x/y.mvt) are in it", path);
 		return -EISDIR;
 	}
-	qsort(tiles->files.items, tiles->files.count, sizeof(struct tile_file), by_tile);
+	ARRAY_SORT(&tiles->files, by_tile);
 	int zoom = tiles->files.items[0].zoom;
 	tiles->world_units = ldexp(TILE_UNITS, zoom);
 	tiles->unit_m = WORLD_M / tiles->world_units;
