@@ -137,7 +137,7 @@ static void extend(struct height_field *field, const struct city *city)
 void terrain_contours(struct height_field *field, const struct city *city, const contour_array *contours)
 {
 	size_t count = field->columns * field->rows;
-	float *low_m = malloc(count * sizeof(float));
+	float *low_m = calloc(count, sizeof(float));
 	double lowest = INFINITY, step_m = interval(contours);
 	if (!low_m)
 		abort();
