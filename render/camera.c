@@ -249,22 +249,46 @@ static bool behind(struct vec3 normal, struct vec3 min, struct vec3 max)
 	return vec3_dot(normal, corner) < 0.0f;
 }
 
-bool view_sees_box(const struct view *view, struct vec3 min, struct vec3 max)
+#define SIDES 5
+
+static void side_planes(const struct view *view, struct vec3 out[SIDES])
 {
 	struct vec3 f = view->forward;
-	const struct vec3 planes[] = {
-		f,
-		vec3_add(vec3_scale(f, view->tan_half_x), view->right),
-		vec3_sub(vec3_scale(f, view->tan_half_x), view->right),
-		vec3_add(vec3_scale(f, view->tan_half_y), view->up),
-		vec3_sub(vec3_scale(f, view->tan_half_y), view->up),
-	};
-	for (size_t i = 0; i < sizeof(planes) / sizeof(planes[0]); i++)
+	out[0] = f;
+	out[1] = vec3_add(vec3_scale(f, view->tan_half_x), view->right);
+	out[2] = vec3_sub(vec3_scale(f, view->tan_half_x), view->right);
+	out[3] = vec3_add(vec3_scale(f, view->tan_half_y), view->up);
+	out[4] = vec3_sub(vec3_scale(f, view->tan_half_y), view->up);
+}
+
+bool view_sees_box(const struct view *view, struct vec3 min, struct vec3 max)
+{
+	struct vec3 planes[SIDES];
+	side_planes(view, planes);
+	for (int i = 0; i < SIDES; i++)
 		if (behind(planes[i], min, max))
 			return false;
 	float nearest, farthest;
 	view_box_depth(view, min, max, &nearest, &farthest);
 	return nearest <= view->slice[VIEW_FAR].far_m;
+}
+
+bool view_holds_box(const struct view *view, struct vec3 min, struct vec3 max)
+{
+	struct vec3 planes[SIDES];
+	side_planes(view, planes);
+	for (int i = 0; i < SIDES; i++)
+		if (!behind(vec3_scale(planes[i], -1.0f), min, max))
+			return false;
+	return true;
+}
+
+void view_box(
+	const struct view *view, const int32_t min_mm[3], const int32_t max_mm[3], struct vec3 *min, struct vec3 *max)
+{
+	int64_t low[3] = { min_mm[0], min_mm[1], min_mm[2] }, high[3] = { max_mm[0], max_mm[1], max_mm[2] };
+	*min = view_relative(view, low);
+	*max = view_relative(view, high);
 }
 
 void view_box_depth(const struct view *view, struct vec3 min, struct vec3 max, float *nearest, float *farthest)

@@ -68,6 +68,13 @@ void camera_view(
 /* Frustum against an eye-relative box (metres): false only when it is certainly outside. */
 bool view_sees_box(const struct view *view, struct vec3 min, struct vec3 max);
 
+/* Frustum but for its far end: true only when all of the box is certainly inside. */
+bool view_holds_box(const struct view *view, struct vec3 min, struct vec3 max);
+
+/* A city-frame box relative to the eye. */
+void view_box(
+	const struct view *view, const int32_t min_mm[3], const int32_t max_mm[3], struct vec3 *min, struct vec3 *max);
+
 /* Distance along the view direction to the box's nearest and farthest corner. */
 void view_box_depth(const struct view *view, struct vec3 min, struct vec3 max, float *nearest, float *farthest);
 

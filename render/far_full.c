@@ -39,7 +39,8 @@ static void full_emit(
 	for (uint32_t i = 0; i < visible->count; i++) {
 		const struct visible_chunk *chunk = &visible->items[i];
 		if (chunk->farthest_m > view->slice[VIEW_FAR].near_m)
-			near_mesh_emit(repr->mesh, repr->fade, list, chunk->chunk, VIEW_FAR, chunk->nearest_m);
+			near_mesh_emit(
+				repr->mesh, repr->fade, list, chunk->whole ? NULL : view, chunk->chunk, VIEW_FAR, chunk->nearest_m);
 	}
 }
 
@@ -52,7 +53,8 @@ static void none_emit(
 		bool straddles =
 			chunk->nearest_m <= view->slice[VIEW_NEAR].far_m && chunk->farthest_m > view->slice[VIEW_FAR].near_m;
 		if (straddles)
-			near_mesh_emit(repr->mesh, repr->fade, list, chunk->chunk, VIEW_FAR, chunk->nearest_m);
+			near_mesh_emit(
+				repr->mesh, repr->fade, list, chunk->whole ? NULL : view, chunk->chunk, VIEW_FAR, chunk->nearest_m);
 	}
 }
 

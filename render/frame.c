@@ -173,7 +173,9 @@ static void update_light(struct renderer *renderer, const struct renderer_time *
 	if (!wall_ns)
 		wall_ns = (DEFAULT_WALL_S - llrint(meta->origin_lon_deg * 240.0)) * NS_PER_S;
 	struct sun_position sun = sun_at(wall_ns, meta->origin_lat_deg, meta->origin_lon_deg);
-	sun_light(&sun, local_hour(renderer->pkg, wall_ns), time->ambient, time->force_night, &renderer->light);
+	struct light_state *light = &renderer->light;
+	sun_light(&sun, local_hour(renderer->pkg, wall_ns), time->ambient, time->force_night, light);
+	renderer->mesh.lit = light->lamps > 0.0f || light->windows_lit > 0.0f || light->shops_lit > 0.0f;
 }
 
 static void put(float out[4], struct vec3 v, float w)

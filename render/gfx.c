@@ -117,8 +117,8 @@ static struct gfx_config config_with_defaults(const struct gfx_config *given)
 	config.buffers = config.buffers ? config.buffers : 64;
 	config.textures = config.textures ? config.textures : 32;
 	config.targets = config.targets ? config.targets : 8;
-	config.programs = config.programs ? config.programs : 32;
-	config.pipelines = config.pipelines ? config.pipelines : 64;
+	config.programs = config.programs ? config.programs : 48;
+	config.pipelines = config.pipelines ? config.pipelines : 96;
 	return config;
 }
 

@@ -181,8 +181,8 @@ struct gfx_config {
 	uint32_t buffers;                            /* default 64 */
 	uint32_t textures;                           /* default 32 */
 	uint32_t targets;                            /* default 8 */
-	uint32_t programs;                           /* default 32 */
-	uint32_t pipelines;                          /* default 64 */
+	uint32_t programs;                           /* default 48 */
+	uint32_t pipelines;                          /* default 96 */
 	void (*(*get_proc)(const char *name))(void); /* for what is beyond ES 3.0; NULL: none of it is used */
 };
 

@@ -4,7 +4,11 @@
 #include <errno.h>
 
 #include "platform/base/log.h"
+#include "render/camera.h"
 #include "render/frame_block.h"
+
+#define GAP_MIN_INDICES 192 /* 64 triangles: about what a draw costs, on a CPU as on a GPU */
+#define ROOM_TO_CUT 2048    /* draws left in the list, below which chunks are drawn whole */
 
 static const struct gfx_attribute vertex_layout[] = {
 	{ GFX_I32X3, offsetof(struct pkg_mesh_vertex, pos_mm) },
@@ -16,36 +20,44 @@ static const struct gfx_attribute vertex_layout[] = {
 static_assert(offsetof(struct pkg_mesh_vertex, seed) == offsetof(struct pkg_mesh_vertex, rgb) + 3, "one attribute");
 static_assert(offsetof(struct pkg_mesh_vertex, material) == offsetof(struct pkg_mesh_vertex, ao) + 1, "one attribute");
 
-static const char *const look_defines[LOOK_COUNT][2] = {
-	[LOOK_PLAIN] = { NULL, "#define FADE 1\n" },
-	[LOOK_WALLS] = { "#define HAS_WALL 1\n", "#define HAS_WALL 1\n#define FADE 1\n" },
-	[LOOK_GROUND] = { "#define HAS_GROUND 1\n", "#define HAS_GROUND 1\n#define FADE 1\n" },
-	[LOOK_WATER] = { "#define HAS_WATER 1\n", "#define HAS_WATER 1\n#define FADE 1\n" },
-	[LOOK_ALL] = { "#define HAS_WALL 1\n#define HAS_GROUND 1\n#define HAS_WATER 1\n",
-		"#define HAS_WALL 1\n#define HAS_GROUND 1\n#define HAS_WATER 1\n#define FADE 1\n" },
+#define WALL "#define HAS_WALL 1\n"
+#define GROUND "#define HAS_GROUND 1\n"
+#define WATER "#define HAS_WATER 1\n"
+#define FADE "#define FADE 1\n"
+#define LIT "#define LIT 1\n"
+#define STYLES(look)                                                                                                   \
+	{                                                                                                                  \
+		look, look FADE, look LIT, look FADE LIT                                                                       \
+	}
+static const char *const look_defines[LOOK_COUNT][MESH_STYLES] = {
+	[LOOK_PLAIN] = STYLES(""),
+	[LOOK_WALLS] = STYLES(WALL),
+	[LOOK_GROUND] = STYLES(GROUND),
+	[LOOK_WATER] = STYLES(WATER),
+	[LOOK_ALL] = STYLES(WALL GROUND WATER),
 };
 
-static int make_program(struct near_mesh *mesh, enum city_look look, int faded)
+static int make_program(struct near_mesh *mesh, enum city_look look, int style)
 {
 	struct gfx_program_desc desc = {
 		.vertex = "city.vert",
 		.fragment = "city.frag",
-		.defines = look_defines[look][faded],
+		.defines = look_defines[look][style],
 		.textures = { "u_textures", "u_light_map" },
 		.blocks = { "Frame", "Materials" },
 	};
-	return gfx_program_create(mesh->gfx, &desc, &mesh->programs[look][faded]);
+	return gfx_program_create(mesh->gfx, &desc, &mesh->programs[look][style]);
 }
 
-static int make_pipeline(struct near_mesh *mesh, enum city_look look, enum pkg_pass pass, int faded)
+static int make_pipeline(struct near_mesh *mesh, enum city_look look, enum pkg_pass pass, int style)
 {
 	bool decal = pass == PKG_PASS_DECAL;
 	struct gfx_pipeline_desc desc = {
-		.program = mesh->programs[look][faded],
+		.program = mesh->programs[look][style],
 		.stride = sizeof(struct pkg_mesh_vertex),
 		.attribute_count = sizeof(vertex_layout) / sizeof(vertex_layout[0]),
 		.index = GFX_INDEX_U16,
-		.blend = decal || faded ? GFX_BLEND : GFX_OPAQUE,
+		.blend = decal || style & MESH_FADED ? GFX_BLEND : GFX_OPAQUE,
 		.depth = decal ? GFX_DEPTH_TEST : GFX_DEPTH_TEST_WRITE,
 		.cull_back = true,
 		.offset_factor = decal ? -1.0f : 0.0f,
@@ -53,17 +65,17 @@ static int make_pipeline(struct near_mesh *mesh, enum city_look look, enum pkg_p
 	};
 	for (uint32_t i = 0; i < desc.attribute_count; i++)
 		desc.attributes[i] = vertex_layout[i];
-	return gfx_pipeline_create(mesh->gfx, &desc, &mesh->pipelines[look][pass][faded]);
+	return gfx_pipeline_create(mesh->gfx, &desc, &mesh->pipelines[look][pass][style]);
 }
 
 static int make_pipelines(struct near_mesh *mesh)
 {
 	int err = 0;
 	for (int look = 0; look < LOOK_COUNT; look++) {
-		for (int faded = 0; faded < 2 && !err; faded++) {
-			err = make_program(mesh, (enum city_look)look, faded);
+		for (int style = 0; style < MESH_STYLES && !err; style++) {
+			err = make_program(mesh, (enum city_look)look, style);
 			for (int pass = 0; pass < PKG_PASS_COUNT && !err; pass++)
-				err = make_pipeline(mesh, (enum city_look)look, (enum pkg_pass)pass, faded);
+				err = make_pipeline(mesh, (enum city_look)look, (enum pkg_pass)pass, style);
 		}
 	}
 	return err;
@@ -225,10 +237,10 @@ void near_mesh_finish(struct near_mesh *mesh)
 	if (!mesh->gfx)
 		return;
 	for (int look = 0; look < LOOK_COUNT; look++) {
-		for (int faded = 0; faded < 2; faded++) {
+		for (int style = 0; style < MESH_STYLES; style++) {
 			for (int pass = 0; pass < PKG_PASS_COUNT; pass++)
-				gfx_pipeline_destroy(mesh->gfx, mesh->pipelines[look][pass][faded]);
-			gfx_program_destroy(mesh->gfx, mesh->programs[look][faded]);
+				gfx_pipeline_destroy(mesh->gfx, mesh->pipelines[look][pass][style]);
+			gfx_program_destroy(mesh->gfx, mesh->programs[look][style]);
 		}
 	}
 	gfx_texture_destroy(mesh->gfx, mesh->light_map);
@@ -348,25 +360,78 @@ static const struct fade_entry *next_fading(
 	return best;
 }
 
-void near_mesh_emit(const struct near_mesh *mesh, const struct fade *fade, struct draw_list *list, uint32_t chunk,
-	enum view_slice_id slice, float depth_m)
+/* Draws [at, end) of a run; what fades in it becomes draws of its own. */
+static void emit_range(const struct near_mesh *mesh, const struct fade *fade, struct draw_list *list,
+	struct draw_item item, uint32_t at, uint32_t end, float depth_m)
 {
-	const struct mesh_run *runs = mesh->runs + mesh->first_run[chunk];
-	for (uint32_t i = 0; i < mesh->run_count[chunk]; i++) {
-		struct draw_item item = { .chunk = chunk, .slice = (uint8_t)slice, .pass = runs[i].pass, .look = runs[i].look };
-		uint32_t at = runs[i].first, end = at + runs[i].count;
-		while (at < end) {
-			const struct fade_entry *entry = next_fading(mesh, fade, chunk, item.pass, at, end);
-			const struct pkg_object *object = entry ? &mesh->pkg->objects[entry->object] : NULL;
-			uint32_t stop = object ? object->first_index[item.pass] : end;
-			item.opacity = 255;
-			emit_piece(list, &item, at, stop, depth_m);
-			at = stop;
-			if (object) {
-				at += object->index_count[item.pass];
-				item.opacity = (uint8_t)(entry->opacity * 254.0f);
-				emit_piece(list, &item, stop, at, depth_m);
+	while (at < end) {
+		const struct fade_entry *entry = next_fading(mesh, fade, item.chunk, item.pass, at, end);
+		const struct pkg_object *object = entry ? &mesh->pkg->objects[entry->object] : NULL;
+		uint32_t stop = object ? object->first_index[item.pass] : end;
+		item.opacity = 255;
+		emit_piece(list, &item, at, stop, depth_m);
+		at = stop;
+		if (object) {
+			at += object->index_count[item.pass];
+			item.opacity = (uint8_t)(entry->opacity * 254.0f);
+			emit_piece(list, &item, stop, at, depth_m);
+		}
+	}
+}
+
+static bool object_seen(const struct view *view, const struct pkg_object *object, int slice)
+{
+	struct vec3 min, max;
+	float nearest, farthest;
+	view_box(view, object->min_mm, object->max_mm, &min, &max);
+	if (!view_sees_box(view, min, max))
+		return false;
+	view_box_depth(view, min, max, &nearest, &farthest);
+	return nearest <= view->slice[slice].far_m && farthest >= view->slice[slice].near_m;
+}
+
+/* A stretch of unseen objects is left out when that saves more than another draw costs. Indices of no object stay. */
+static void emit_seen(const struct near_mesh *mesh, const struct fade *fade, struct draw_list *list,
+	const struct view *view, const struct draw_item *item, uint32_t first, uint32_t end, float depth_m)
+{
+	const struct pkg_chunk *chunk = &mesh->pkg->chunks[item->chunk];
+	uint32_t at = first, gap = first, gap_end = first;
+	for (uint32_t i = 0; i <= chunk->object_count; i++) {
+		const struct pkg_object *object = NULL;
+		if (i < chunk->object_count) {
+			object = &mesh->pkg->objects[chunk->first_object + i];
+			uint32_t from = object->first_index[item->pass], count = object->index_count[item->pass];
+			bool inside = count && from >= gap_end && from + count <= end;
+			if (!inside || object_seen(view, object, item->slice))
+				continue;
+			if (from == gap_end) {
+				gap_end += count;
+				continue;
 			}
 		}
+		if (gap_end - gap >= GAP_MIN_INDICES) {
+			emit_range(mesh, fade, list, *item, at, gap, depth_m);
+			at = gap_end;
+		}
+		if (object) {
+			gap = object->first_index[item->pass];
+			gap_end = gap + object->index_count[item->pass];
+		}
+	}
+	emit_range(mesh, fade, list, *item, at, end, depth_m);
+}
+
+void near_mesh_emit(const struct near_mesh *mesh, const struct fade *fade, struct draw_list *list,
+	const struct view *view, uint32_t chunk, enum view_slice_id slice, float depth_m)
+{
+	const struct mesh_run *runs = mesh->runs + mesh->first_run[chunk];
+	bool room = list->count + ROOM_TO_CUT < list->capacity;
+	for (uint32_t i = 0; i < mesh->run_count[chunk]; i++) {
+		struct draw_item item = { .chunk = chunk, .slice = (uint8_t)slice, .pass = runs[i].pass, .look = runs[i].look };
+		uint32_t first = runs[i].first, end = first + runs[i].count;
+		if (view && room && runs[i].count >= GAP_MIN_INDICES)
+			emit_seen(mesh, fade, list, view, &item, first, end, depth_m);
+		else
+			emit_range(mesh, fade, list, item, first, end, depth_m);
 	}
 }

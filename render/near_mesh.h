@@ -22,6 +22,10 @@ enum city_look {
 	LOOK_COUNT,
 };
 
+/* Each look comes with and without fading, and with and without the lights of the evening: what is not there by day
+ * costs nothing by day. Bits. */
+enum mesh_style { MESH_FADED = 1 << 0, MESH_LIT = 1 << 1, MESH_STYLES = 4 };
+
 /* A run of objects of one chunk that are drawn alike. */
 struct mesh_run {
 	uint32_t first, count; /* indices, from the chunk's first */
@@ -36,9 +40,10 @@ struct near_mesh {
 	gfx_buffer vertices, indices;
 	gfx_buffer materials;
 	gfx_texture textures, light_map;
-	gfx_program programs[LOOK_COUNT][2];                   /* [look][faded] */
-	gfx_pipeline pipelines[LOOK_COUNT][PKG_PASS_COUNT][2]; /* [look][pass][faded] */
-	struct mesh_run *runs;                                 /* those of chunk i from first_run[i] on */
+	gfx_program programs[LOOK_COUNT][MESH_STYLES];                   /* [look][enum mesh_style] */
+	gfx_pipeline pipelines[LOOK_COUNT][PKG_PASS_COUNT][MESH_STYLES]; /* [look][pass][enum mesh_style] */
+	bool lit;                                                        /* lamps or windows shine: the frame sets it */
+	struct mesh_run *runs;                                           /* those of chunk i from first_run[i] on */
 	uint32_t *first_run, *run_count;
 };
 
@@ -50,9 +55,10 @@ void near_mesh_finish(struct near_mesh *mesh);
 
 void near_mesh_load(struct near_mesh *mesh, const int64_t eye_mm[3], double far_m, uint64_t slice_bytes);
 
-/* A resident chunk, all passes, in one slice; what fades is cut out of its runs and drawn apart. `fade` may be NULL. */
-void near_mesh_emit(const struct near_mesh *mesh, const struct fade *fade, struct draw_list *list, uint32_t chunk,
-	enum view_slice_id slice, float depth_m);
+/* A resident chunk, all passes, in one slice; what fades is cut out of its runs and drawn apart. `fade` may be NULL.
+ * With a view, longer stretches of objects outside it or its slice are left out; NULL draws the chunk whole. */
+void near_mesh_emit(const struct near_mesh *mesh, const struct fade *fade, struct draw_list *list,
+	const struct view *view, uint32_t chunk, enum view_slice_id slice, float depth_m);
 
 /* Is the chunk's geometry on the GPU? */
 bool near_mesh_has(const struct near_mesh *mesh, uint32_t chunk);

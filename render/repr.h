@@ -15,6 +15,7 @@
 struct visible_chunk {
 	uint32_t chunk;
 	float nearest_m, farthest_m; /* along the view direction */
+	bool whole;                  /* all in view and in one slice: no need to look at its objects */
 };
 struct visible_set {
 	struct visible_chunk *items;

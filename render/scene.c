@@ -24,21 +24,13 @@ void scene_finish(struct scene *scene)
 	*scene = (struct scene){ 0 };
 }
 
-void scene_box(
-	const struct view *view, const int32_t min_mm[3], const int32_t max_mm[3], struct vec3 *min, struct vec3 *max)
-{
-	int64_t low[3] = { min_mm[0], min_mm[1], min_mm[2] }, high[3] = { max_mm[0], max_mm[1], max_mm[2] };
-	*min = view_relative(view, low);
-	*max = view_relative(view, high);
-}
-
 static void find_visible(struct scene *scene, const struct view *view)
 {
 	const struct pkg *pkg = scene->mesh->pkg;
 	scene->visible.count = scene->visible.missing = 0;
 	for (uint32_t i = 0; i < pkg->chunk_count; i++) {
 		struct vec3 min, max;
-		scene_box(view, pkg->chunks[i].min_mm, pkg->chunks[i].max_mm, &min, &max);
+		view_box(view, pkg->chunks[i].min_mm, pkg->chunks[i].max_mm, &min, &max);
 		if (!view_sees_box(view, min, max))
 			continue;
 		if (!near_mesh_has(scene->mesh, i)) {
@@ -48,6 +40,9 @@ static void find_visible(struct scene *scene, const struct view *view)
 		struct visible_chunk *chunk = &scene->visible.items[scene->visible.count++];
 		chunk->chunk = i;
 		view_box_depth(view, min, max, &chunk->nearest_m, &chunk->farthest_m);
+		bool straddles =
+			chunk->nearest_m <= view->slice[VIEW_NEAR].far_m && chunk->farthest_m > view->slice[VIEW_FAR].near_m;
+		chunk->whole = !straddles && view_holds_box(view, min, max);
 	}
 }
 
@@ -67,7 +62,8 @@ void scene_build(struct scene *scene, const struct view *view)
 	for (uint32_t i = 0; i < scene->visible.count; i++) {
 		const struct visible_chunk *chunk = &scene->visible.items[i];
 		if (chunk->nearest_m <= view->slice[VIEW_NEAR].far_m)
-			near_mesh_emit(scene->mesh, &scene->fade, &scene->list, chunk->chunk, VIEW_NEAR, chunk->nearest_m);
+			near_mesh_emit(scene->mesh, &scene->fade, &scene->list, chunk->whole ? NULL : view, chunk->chunk, VIEW_NEAR,
+				chunk->nearest_m);
 	}
 	scene->repr.ops->select(&scene->repr, view);
 	scene->repr.ops->emit(&scene->repr, view, &scene->visible, &scene->list);

@@ -23,8 +23,4 @@ void scene_finish(struct scene *scene);
 /* Fills scene->list, sorted. */
 void scene_build(struct scene *scene, const struct view *view);
 
-/* A city-frame box relative to the eye. */
-void scene_box(
-	const struct view *view, const int32_t min_mm[3], const int32_t max_mm[3], struct vec3 *min, struct vec3 *max);
-
 #endif

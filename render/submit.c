@@ -66,7 +66,8 @@ static void submit(struct gfx *gfx, const struct near_mesh *mesh, const struct v
 		const struct residency_chunk *place = &mesh->residency.chunks[item->chunk];
 		set_origin(&constants, view, &mesh->pkg->chunks[item->chunk]);
 		constants.opacity = range.invisible ? 0.0f : item->opacity * (1.0f / 255.0f);
-		draw.pipeline = mesh->pipelines[item->look][item->pass][item->opacity < 255];
+		int style = (item->opacity < 255 ? MESH_FADED : 0) | (mesh->lit ? MESH_LIT : 0);
+		draw.pipeline = mesh->pipelines[item->look][item->pass][style];
 		draw.vertex_offset = place->first_vertex * (uint32_t)sizeof(struct pkg_mesh_vertex);
 		draw.first = place->first_index + item->first;
 		draw.count = item->count;

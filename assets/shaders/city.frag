@@ -29,7 +29,7 @@ vec3 mirrored(vec3 to_eye)
 	return mix(ground_color.rgb * 0.35, sky, smoothstep(-0.02, 0.22, up));
 }
 
-#ifdef HAS_WALL
+#if defined(HAS_WALL) && defined(LIT)
 highp float hash(highp vec3 p)
 {
 	p = fract(p * vec3(0.1031, 0.1130, 0.1370));
@@ -49,13 +49,18 @@ vec3 rooms(bool shop, float seed, vec2 width)
 	vec3 room = shop ? SHOP_LIGHT : mix(WARM_ROOM, COOL_ROOM, step(0.8, fract(pick * 13.0)));
 	return room * on;
 }
+#endif
 
+#ifdef HAS_WALL
 vec3 wall(vec4 texel, vec3 to_eye, bool shop, float seed, vec2 width)
 {
 	vec3 painted = decode_srgb(texel.rgb);
 	float grazing = 1.0 - max(dot(to_eye, v_normal_code.xyz), 0.0);
 	float fresnel = 0.16 + 0.5 * grazing * grazing * grazing;
-	vec3 glass = mix(painted * (v_color.w * 0.7), mirrored(to_eye), fresnel) + rooms(shop, seed, width);
+	vec3 glass = mix(painted * (v_color.w * 0.7), mirrored(to_eye), fresnel);
+#ifdef LIT
+	glass += rooms(shop, seed, width);
+#endif
 	return mix(painted * v_color.rgb, glass, texel.a);
 }
 #endif
@@ -85,9 +90,6 @@ void main()
 	code -= seed * 4096.0;
 	float layer = floor(code * (1.0 / 16.0) + 0.01), kind = code - layer * 16.0;
 	vec4 texel = texture(u_textures, vec3(v_uv, layer));
-#ifdef HAS_WALL
-	vec2 width = fwidth(v_uv);
-#endif
 	highp float distance_m = length(v_from_eye);
 	vec3 to_eye = v_from_eye * (-1.0 / max(distance_m, 0.001));
 	vec3 color = decode_srgb(texel.rgb) * v_color.rgb;
@@ -95,17 +97,28 @@ void main()
 #ifdef HAS_GROUND
 	vec2 map = texture(u_light_map, u_draw[5].xy + v_from_eye.xy * u_draw[5].zw).rg;
 	if (kind == KIND_GROUND || kind == KIND_MARKING) {
+#ifdef LIT
 		// what the lamps add, in the tint that is left when the sky's light is taken out again
 		vec3 by_day = sky_color.rgb + sun_color.rgb * max(sun_direction.z, 0.0);
 		color *= vec3(map.r) + LAMP_LIGHT * (map.g * sun_color.w) / by_day;
+#else
+		color *= map.r;
+#endif
 		alpha = kind == KIND_MARKING ? texel.a : 1.0;
 	}
+#ifdef LIT
 	if (kind == KIND_LAMP)
 		color = mix(color, vec3(0.80, 0.66, 0.45), sun_color.w);
+#endif
 #else
 	color = mix(color, mirrored(to_eye), v_gloss * 0.35);
 #endif
 #ifdef HAS_WALL
+#ifdef LIT
+	vec2 width = fwidth(v_uv);
+#else
+	const vec2 width = vec2(0.0);
+#endif
 	if (kind <= KIND_SHOP)
 		color = wall(texel, to_eye, kind == KIND_SHOP, seed, width);
 #endif

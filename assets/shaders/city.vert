@@ -1,7 +1,8 @@
 // The city's geometry: struct pkg_mesh_vertex of assets/pkg_format.h. Everything that is linear over a triangle, or
 // constant over it, is worked out here. Few varyings: a software rasteriser pays for each, twice.
 //
-// Variants by what a draw contains: HAS_WALL (walls, shops), HAS_GROUND (ground, markings, lamps), HAS_WATER. Roofs,
+// Variants by what a draw contains: HAS_WALL (walls, shops), HAS_GROUND (ground, markings, lamps), HAS_WATER, and LIT when lamps or
+// windows shine. Roofs,
 // foliage and solids are in all of them.
 layout(location = 0) in highp vec3 a_position_mm; // from the chunk's origin
 layout(location = 1) in highp vec2 a_normal_oct;
@@ -17,7 +18,7 @@ uniform highp vec4 u_draw[6];
 layout(std140) uniform Materials {
 	highp vec4 materials[256]; // enum pkg_material_kind, layer, gloss, 0
 };
-#ifdef HAS_WALL
+#if defined(HAS_WALL) && defined(LIT)
 uniform sampler2D u_light_map; // r open sky, g street light
 #endif
 
@@ -58,7 +59,7 @@ void main()
 	facing = material.x == KIND_FOLIAGE ? facing * 0.6 + 0.4 : facing; // light goes through leaves
 	vec3 ambient = mix(ground_color.rgb, sky_color.rgb, normal.z * 0.5 + 0.5);
 	vec3 light = (ambient + sun_color.rgb * (max(facing, 0.0) * (0.5 + 0.5 * ao))) * ao;
-#ifdef HAS_WALL
+#if defined(HAS_WALL) && defined(LIT)
 	// the light of the pavement in front of the wall, less with every storey
 	vec2 at = u_draw[5].xy + (v_from_eye.xy + normal.xy * 2.5) * u_draw[5].zw;
 	float wall = step(material.x, KIND_SHOP) * sun_color.w;

@@ -95,7 +95,7 @@ static void a_fading_building_is_drawn_once_and_apart(void **state)
 	struct fade fade = { .entries = { { .object = 2, .opacity = 0.5f } }, .count = 1 };
 	struct draw_list list;
 	draw_list_init(&list, &arena, 64);
-	near_mesh_emit(&mesh, &fade, &list, 1, VIEW_NEAR, 10.0f);
+	near_mesh_emit(&mesh, &fade, &list, NULL, 1, VIEW_NEAR, 10.0f);
 	draw_list_sort(&list);
 	uint32_t sum = 0, faded = 0;
 	uint8_t covered[64] = { 0 };

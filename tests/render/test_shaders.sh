@@ -29,9 +29,10 @@ for look in HAS_WALL HAS_GROUND HAS_WATER; do
 	for file in "$dir"/city.*; do
 		check "$file" "#define $look 1\n"
 		check "$file" "#define $look 1\n#define FADE 1\n"
+		check "$file" "#define $look 1\n#define LIT 1\n"
 	done
 done
 for file in "$dir"/city.*; do
-	check "$file" "#define HAS_WALL 1\n#define HAS_GROUND 1\n#define HAS_WATER 1\n#define FADE 1\n"
+	check "$file" "#define HAS_WALL 1\n#define HAS_GROUND 1\n#define HAS_WATER 1\n#define LIT 1\n#define FADE 1\n"
 done
 exit $bad
