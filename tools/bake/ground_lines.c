@@ -5,6 +5,8 @@
 #include "tools/bake/ground.h"
 
 #define APRON_M 4000.0
+#define PIECE_M 15.0
+#define SMOOTH_M 0.15
 #define APRON_SINK_M 0.35 /* below the last tiles' skirts' tops, so that it never shows through */
 
 static void paint(struct soup *soup, enum material_id material, uint8_t r, uint8_t g, uint8_t b, float ao)
@@ -55,6 +57,23 @@ static void add_piece(struct soup *soup, const struct city *city, struct dvec2 a
 		(struct dvec3){ bl.x, bl.y, top_b }, (struct dvec3){ al.x, al.y, top_a });
 }
 
+/* The next corner that matters: all points between stand within SMOOTH_M of the straight line. */
+static size_t next_corner(const struct line *line, size_t from)
+{
+	size_t to = from + 1;
+	for (; to + 1 < line->count; to++) {
+		struct dvec2 a = line->points[from], d = dvec2_sub(line->points[to + 1], a);
+		double square = fmax(dvec2_dot(d, d), 1e-9);
+		for (size_t i = from + 1; i <= to; i++) {
+			struct dvec2 p = dvec2_sub(line->points[i], a);
+			double t = dvec2_dot(p, d) / square;
+			if (t < 0.0 || t > 1.0 || fabs(dvec2_cross(d, p)) > SMOOTH_M * sqrt(square))
+				return to;
+		}
+	}
+	return to;
+}
+
 static struct dvec3 on_ground(const struct city *city, struct dvec2 at)
 {
 	return (struct dvec3){ at.x, at.y, city_ground(city, at) + KERB_M };
@@ -69,11 +88,12 @@ void ground_lines_build(const struct ground_plan *plan, struct soup *soup)
 		if (line->kind == LINE_RIVER || line->kind == LINE_STREAM || line->layer < 0)
 			continue;
 		struct barrier size = barrier_of(soup, line);
-		for (size_t k = 0; k + 1 < line->count; k++) {
-			struct dvec2 a = line->points[k], b = line->points[k + 1];
+		for (size_t k = 0, next; k + 1 < line->count; k = next) {
+			next = next_corner(line, k);
+			struct dvec2 a = line->points[k], b = line->points[next];
 			if (a.x < plan->min.x || a.x > plan->max.x || a.y < plan->min.y || a.y > plan->max.y)
 				continue;
-			int pieces = (int)ceil(dvec2_length(dvec2_sub(b, a)) / 15.0);
+			int pieces = (int)ceil(dvec2_length(dvec2_sub(b, a)) / PIECE_M);
 			for (int p = 0; p < pieces; p++) {
 				struct dvec2 from = dvec2_add(a, dvec2_scale(dvec2_sub(b, a), (double)p / pieces));
 				struct dvec2 to = dvec2_add(a, dvec2_scale(dvec2_sub(b, a), (double)(p + 1) / pieces));

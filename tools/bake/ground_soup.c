@@ -132,6 +132,19 @@ static void add_band(struct soup *soup, struct dvec3 a, struct dvec3 b, double l
 	soup_wall(soup, q, p, b.z + low, a.z + low, b.z + high, a.z + high);
 }
 
+static void add_spike(struct soup *soup, struct dvec3 foot, struct dvec2 across, double height)
+{
+	for (int side = -1; side <= 1; side += 2) {
+		struct vec3 normal = vec3_normalize((struct vec3){ (float)(across.y * side), (float)(-across.x * side), 0.0f });
+		uint32_t a = soup_vertex(soup,
+			(struct dvec3){ foot.x - across.x * side, foot.y - across.y * side, foot.z - 0.15 }, normal, 0.0, 0.0);
+		uint32_t b = soup_vertex(soup,
+			(struct dvec3){ foot.x + across.x * side, foot.y + across.y * side, foot.z - 0.15 }, normal, 0.1, 0.0);
+		uint32_t c = soup_vertex(soup, (struct dvec3){ foot.x, foot.y, foot.z + height }, normal, 0.05, 1.0);
+		soup_triangle(soup, a, b, c);
+	}
+}
+
 void soup_railing(struct soup *soup, struct dvec3 a, struct dvec3 b, double height)
 {
 	struct dvec3 d = { b.x - a.x, b.y - a.y, b.z - a.z };
@@ -140,14 +153,12 @@ void soup_railing(struct soup *soup, struct dvec3 a, struct dvec3 b, double heig
 		return;
 	add_band(soup, a, b, height - 0.08, height);
 	add_band(soup, a, b, height * 0.4, height * 0.4 + 0.05);
-	/* a post is one upright strip, turned so that it shows from the street and from along the railing */
-	struct dvec2 across = { (d.x - d.y) / length * 0.03, (d.x + d.y) / length * 0.03 };
-	int posts = (int)fmax(round(length / RAILING_POST_M), 1.0);
+	/* a post is a slim upright triangle, turned so that it shows from the street and from along the railing */
+	struct dvec2 across = { (d.x - d.y) / length * 0.04, (d.x + d.y) / length * 0.04 };
+	int posts = (int)round(length / RAILING_POST_M);
 	for (int i = 0; i < posts; i++) {
 		double t = (double)i / posts;
-		struct dvec3 at = { a.x + t * d.x, a.y + t * d.y, a.z + t * d.z };
-		add_band(soup, (struct dvec3){ at.x - across.x, at.y - across.y, at.z },
-			(struct dvec3){ at.x + across.x, at.y + across.y, at.z }, -0.15, height);
+		add_spike(soup, (struct dvec3){ a.x + t * d.x, a.y + t * d.y, a.z + t * d.z }, across, height);
 	}
 }
 

@@ -7,10 +7,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "tools/bake/borders.h"
 #include "tools/bake/ground.h"
-#include "tools/bake/partition.h"
 
 #define SKIRT_M 0.6
+#define STRAIGHT_M 0.04       /* borders may move this far to save corners */
+#define STRAIGHT_EXACT_M 0.01 /* where a structure meets them */
 #define KERB_STONE_M 0.18
 #define SHAPE_REACH_M 3.0 /* lines are cut this far outside the tile, beyond their width */
 #define KERB_HEIGHT_MAX_M 0.4
@@ -232,6 +234,41 @@ static uint32_t surface_index(struct tile *tile, struct surface surface)
 	return (uint32_t)tile->surfaces.count - 1;
 }
 
+static void name_faces(struct tile *tile)
+{
+	partition_faces(&tile->partition);
+	tile->faults->mended += tile->partition.cdt.dropped;
+	for (size_t i = 0; i < tile->partition.faces.count; i++)
+		tile->partition.faces.items[i].tag =
+			surface_index(tile, surface_at(tile, tile->partition.faces.items[i].inside));
+}
+
+static double border_tolerance(const void *context, uint32_t face_a, uint32_t face_b)
+{
+	const struct tile *tile = context;
+	uint32_t a = tile->partition.faces.items[face_a].tag, b = tile->partition.faces.items[face_b].tag;
+	if (a == b)
+		return -1.0;
+	bool exact = tile->surfaces.items[a].region <= REGION_PIT || tile->surfaces.items[b].region <= REGION_PIT;
+	return exact ? STRAIGHT_EXACT_M : STRAIGHT_M;
+}
+
+/* Cuts once with everything to see which borders show, and then with these alone. */
+static void cut_tile(struct tile *tile)
+{
+	partition_begin(&tile->partition, tile->min, tile->max);
+	cut_outlines(tile);
+	cut_areas(tile);
+	name_faces(tile);
+	struct partition shown;
+	partition_begin(&shown, tile->min, tile->max);
+	borders_redraw(&tile->partition, border_tolerance, tile, &shown);
+	partition_finish(&tile->partition);
+	tile->partition = shown;
+	cut_terrain(tile);
+	name_faces(tile);
+}
+
 /* ---- triangles ---- */
 
 static const struct surface *surface_of(const struct tile *tile, uint32_t triangle)
@@ -359,17 +396,70 @@ static void emit_step(struct tile *tile, uint32_t t, int i, const struct surface
 	emit_wall(tile, at[0], at[1], z_there, z_here, kerb);
 }
 
-static void emit_skirt(struct tile *tile, uint32_t t, int i, const struct surface *here)
+/* The next edge along the tile's border in the same triangle fan: from vertex v on, `t` lies before it. */
+static uint32_t next_at_border(const struct cdt *cdt, uint32_t t, uint32_t v, int *side)
 {
-	uint32_t ends[2];
-	edge_ends(tile, t, i, ends);
-	struct dvec2 at[2] = { partition_vertex(&tile->partition, ends[0]), partition_vertex(&tile->partition, ends[1]) };
-	double high[2], low[2];
-	for (int k = 0; k < 2; k++) {
-		high[k] = surface_z(tile, here, at[k]);
-		low[k] = high[k] - SKIRT_M;
+	for (;;) {
+		const struct cdt_triangle *triangle = &cdt->triangles.items[t];
+		int at = triangle->corner[0] == v ? 0 : triangle->corner[1] == v ? 1 : 2;
+		*side = (at + 2) % 3; /* v to the corner after it */
+		if (triangle->neighbour[*side] == CDT_NONE)
+			return t;
+		t = triangle->neighbour[*side];
 	}
-	emit_wall(tile, at[0], at[1], low, high, false);
+}
+
+static bool goes_on_straight(struct dvec3 a, struct dvec3 b, struct dvec3 c)
+{
+	double ab = hypot(b.x - a.x, b.y - a.y), ac = hypot(c.x - a.x, c.y - a.y);
+	double aside = fabs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / fmax(ac, 1e-6);
+	return aside < 1e-3 && fabs(a.z + (c.z - a.z) * ab / fmax(ac, 1e-6) - b.z) < 2e-3;
+}
+
+static struct dvec3 floor_at(const struct tile *tile, const struct surface *surface, uint32_t v)
+{
+	struct dvec2 at = partition_vertex(&tile->partition, v);
+	return (struct dvec3){ at.x, at.y, surface_z(tile, surface, at) };
+}
+
+static void emit_skirt(struct tile *tile, struct dvec3 a, struct dvec3 b)
+{
+	const double high[2] = { a.z, b.z }, low[2] = { a.z - SKIRT_M, b.z - SKIRT_M };
+	emit_wall(tile, flat(a), flat(b), low, high, false);
+}
+
+/* Once round the tile, counter-clockwise; what lies straight in plan and height is one skirt. */
+static void emit_skirts(struct tile *tile)
+{
+	const struct cdt *cdt = &tile->partition.cdt;
+	uint32_t start = 0;
+	while (start < cdt->triangles.count && cdt->triangles.items[start].corner[0] != 0 &&
+		   cdt->triangles.items[start].corner[1] != 0 && cdt->triangles.items[start].corner[2] != 0)
+		start++;
+	int side;
+	uint32_t v = 0, t = next_at_border(cdt, start, v, &side);
+	bool open = false;
+	struct dvec3 from = { 0 }, to = { 0 };
+	do {
+		uint32_t ends[2];
+		edge_ends(tile, t, side, ends);
+		const struct surface *here = surface_of(tile, t);
+		bool solid = here->region != REGION_VOID;
+		struct dvec3 a = floor_at(tile, here, ends[0]), b = floor_at(tile, here, ends[1]);
+		if (open && solid && fabs(a.z - to.z) < 1e-6 && goes_on_straight(from, a, b)) {
+			to = b;
+		} else {
+			if (open)
+				emit_skirt(tile, from, to);
+			from = a;
+			to = b;
+			open = solid;
+		}
+		v = ends[1];
+		t = next_at_border(cdt, t, v, &side);
+	} while (v != 0);
+	if (open)
+		emit_skirt(tile, from, to);
 }
 
 /* The ground's edge at an open cut: a wall down to the street in it. */
@@ -397,8 +487,8 @@ static void emit_walls(struct tile *tile)
 		for (int i = 0; i < 3 && here->region != REGION_VOID; i++) {
 			uint32_t u = cdt->triangles.items[t].neighbour[i];
 			if (u == CDT_NONE)
-				emit_skirt(tile, t, i, here);
-			else if (surface_of(tile, u)->region == REGION_VOID)
+				continue;
+			if (surface_of(tile, u)->region == REGION_VOID)
 				emit_cut_wall(tile, t, i, here);
 			else if (surface_of(tile, u) != here)
 				emit_step(tile, t, i, here, surface_of(tile, u));
@@ -509,43 +599,62 @@ static void emit_kerb_stones(struct tile *tile)
 #define RAIL_GAUGE_M 1.435
 #define RAIL_HALF_M 0.06
 
-static void emit_rail_piece(struct tile *tile, struct soup *soup, struct dvec2 a, struct dvec2 b)
+/* The surface that a track lies on at a place; NULL where it lies on none. */
+static const struct surface *track_bed(const struct tile *tile, struct dvec2 at)
 {
-	uint32_t face = partition_face_at(&tile->partition, dvec2_scale(dvec2_add(a, b), 0.5));
+	uint32_t face = partition_face_at(&tile->partition, at);
 	if (face == CDT_NONE)
-		return;
+		return NULL;
 	const struct surface *surface = &tile->surfaces.items[tile->partition.faces.items[face].tag];
-	if (surface->region == REGION_VOID || surface->region == REGION_PIT || surface->region == REGION_WATER)
-		return;
+	bool none = surface->region == REGION_VOID || surface->region == REGION_PIT || surface->region == REGION_WATER;
+	return none ? NULL : surface;
+}
+
+static void emit_rails(
+	const struct tile *tile, struct soup *soup, struct dvec2 a, struct dvec2 b, enum ground_region region)
+{
 	struct dvec2 d = dvec2_sub(b, a);
 	double length = fmax(dvec2_length(d), 1e-6);
 	struct dvec2 left = { -d.y / length, d.x / length };
 	/* dark grooves in the street, worn steel on ballast */
-	bool ballast = surface->region == REGION_RAIL || surface->region == REGION_RAILWAY;
+	bool ballast = region == REGION_RAIL || region == REGION_RAILWAY;
 	memset(soup->rgb, ballast ? 196 : 62, sizeof(soup->rgb));
 	for (int side = -1; side <= 1; side += 2) {
 		double inner_m = side * RAIL_GAUGE_M / 2.0 - RAIL_HALF_M, outer_m = side * RAIL_GAUGE_M / 2.0 + RAIL_HALF_M;
 		struct dvec2 inner = dvec2_scale(left, inner_m), outer = dvec2_scale(left, outer_m);
 		const struct dvec2 corners[4] = { dvec2_add(a, inner), dvec2_add(b, inner), dvec2_add(b, outer),
 			dvec2_add(a, outer) };
-		soup_drape(soup, tile->city, corners, 4, region_looks[surface->region].level_m);
+		soup_drape(soup, tile->city, corners, 4, region_looks[region].level_m);
 	}
 }
 
 #define RAIL_PIECE_M 4.0
 
-static void emit_track(struct tile *tile, struct soup *soup, const struct road *road)
+/* Pieces on the same surface are one. */
+static void emit_straight_track(const struct tile *tile, struct soup *soup, struct dvec2 a, struct dvec2 b)
+{
+	struct dvec2 d = dvec2_sub(b, a);
+	int pieces = (int)ceil(dvec2_length(d) / RAIL_PIECE_M), from = 0;
+	const struct surface *bed = NULL;
+	for (int i = 0; i <= pieces; i++) {
+		const struct surface *here =
+			i < pieces ? track_bed(tile, dvec2_add(a, dvec2_scale(d, (i + 0.5) / pieces))) : NULL;
+		if (here == bed)
+			continue;
+		if (bed)
+			emit_rails(tile, soup, dvec2_add(a, dvec2_scale(d, (double)from / pieces)),
+				dvec2_add(a, dvec2_scale(d, (double)i / pieces)), bed->region);
+		bed = here;
+		from = i;
+	}
+}
+
+static void emit_track(const struct tile *tile, struct soup *soup, const struct road *road)
 {
 	for (size_t k = 0; k + 1 < road->count; k++) {
 		struct dvec2 a = flat(road->points[k]), b = flat(road->points[k + 1]);
-		if (!clip_segment(tile->min, tile->max, &a, &b))
-			continue;
-		int pieces = (int)ceil(dvec2_length(dvec2_sub(b, a)) / RAIL_PIECE_M);
-		for (int i = 0; i < pieces; i++) {
-			struct dvec2 d = dvec2_sub(b, a);
-			emit_rail_piece(tile, soup, dvec2_add(a, dvec2_scale(d, (double)i / pieces)),
-				dvec2_add(a, dvec2_scale(d, (double)(i + 1) / pieces)));
-		}
+		if (clip_segment(tile->min, tile->max, &a, &b))
+			emit_straight_track(tile, soup, a, b);
 	}
 }
 
@@ -575,19 +684,12 @@ void ground_tile_build(const struct ground_plan *plan, GEOSContextHandle_t geos,
 	tile.min = (struct dvec2){ col * MESH_TILE_M, row * MESH_TILE_M };
 	tile.max = (struct dvec2){ tile.min.x + MESH_TILE_M, tile.min.y + MESH_TILE_M };
 	collect_outlines(&tile);
-	partition_begin(&tile.partition, tile.min, tile.max);
-	cut_outlines(&tile);
-	cut_areas(&tile);
-	cut_terrain(&tile);
-	partition_faces(&tile.partition);
-	faults->mended += tile.partition.cdt.dropped;
-	for (size_t i = 0; i < tile.partition.faces.count; i++)
-		tile.partition.faces.items[i].tag =
-			surface_index(&tile, surface_at(&tile, tile.partition.faces.items[i].inside));
+	cut_tile(&tile);
 	size_t vertices = tile.partition.cdt.points.count;
 	ARRAY_RESERVE(&tile.vertex_of, vertices);
 	mesh_begin(sink, &(struct mesh_object){ .kind = PKG_OBJECT_GROUND, .face = PKG_NONE });
 	emit_surfaces(&tile, false);
+	emit_skirts(&tile);
 	emit_walls(&tile);
 	emit_kerb_stones(&tile);
 	mesh_end(sink);

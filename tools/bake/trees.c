@@ -1,6 +1,7 @@
 /*
- * Trees: those of the data, and planted ones in forests and parks. A crown is two dozen to three dozen triangles, a
- * rounded body or stacked cones, its outline roughened by the tree's own hash, shaded by occlusion towards the trunk.
+ * Trees: those of the data, and planted ones in forests and parks. A crown is two dozen triangles, a rounded body or
+ * stacked cones, its outline roughened by the tree's own hash, with the normals of the smooth body: light wraps round
+ * it. A trunk is six more. Inside a forest trees stand wider apart, with larger crowns: only its edge is seen.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -10,8 +11,10 @@
 #include "tools/bake/ground.h"
 
 #define SIDES 6
-#define PLANTED_MAX 60000.0
-#define CELL_M 32.0 /* trees of one square are one object */
+#define PLANTED_MAX 40000.0
+#define FOREST_EDGE_M 16.0
+#define FOREST_INSIDE_SHARE 0.4 /* of the edge's trees */
+#define CELL_M 32.0             /* trees of one square are one object */
 
 struct tree_look {
 	struct dvec3 foot;
@@ -35,6 +38,7 @@ static double roll(uint64_t hash, uint32_t index)
 	return (double)(hash_u64(hash + index * UINT64_C(0x9E3779B97F4A7C15)) >> 40) / 16777216.0;
 }
 
+/* `x`, `y` in crown radii, `level` 0 at the crown's lower end, 1 at its top; `slope` of the smooth surface there. */
 static uint32_t crown_vertex(
 	struct mesh_sink *sink, const struct tree_look *look, double x, double y, double level, double slope, double u)
 {
@@ -45,8 +49,8 @@ static uint32_t crown_vertex(
 			look->foot.z + look->crown_low + level * crown },
 		.normal = normal,
 		.u = (float)u,
-		.v = (float)(level * 2.0),
-		.ao = (float)(0.5 + 0.5 * fmin(fmax(level, 0.0), 1.0)),
+		.v = (float)(level * 2.0 + 0.1),
+		.ao = (float)(0.7 + 0.3 * sqrt(fmin(fmax(level, 0.0), 1.0))),
 		.material = (uint8_t)(look->needle ? MATERIAL_NEEDLE : MATERIAL_LEAF),
 		.seed = (uint8_t)look->hash,
 	};
@@ -59,64 +63,64 @@ struct ring_shape {
 };
 
 static void add_ring(struct mesh_sink *sink, const struct tree_look *look, const struct ring_shape *shape,
-	uint32_t index, uint32_t out[SIDES + 1])
+	uint32_t index, uint32_t out[SIDES])
 {
 	double twist = roll(look->hash, 1) * 6.3 + (index & 1 ? BLVD_PI / SIDES : 0.0);
-	for (uint32_t i = 0; i <= SIDES; i++) { /* the seam's vertex twice, for the texture */
-		double rough = 0.86 + 0.28 * roll(look->hash, 16 + index * SIDES + i % SIDES);
+	for (uint32_t i = 0; i < SIDES; i++) {
+		double rough = 0.9 + 0.22 * roll(look->hash, 16 + index * SIDES + i);
 		double turn = twist + 2.0 * BLVD_PI * i / SIDES;
-		double lift = 0.05 * (roll(look->hash, 64 + index * SIDES + i % SIDES) - 0.5);
+		double lift = 0.08 * (roll(look->hash, 64 + index * SIDES + i) - 0.5);
+		/* the texture is mirrored half way round: no seam */
+		double u = 3.0 * fabs(1.0 - 2.0 * i / SIDES);
 		out[i] = crown_vertex(sink, look, cos(turn) * shape->radius * rough, sin(turn) * shape->radius * rough,
-			shape->level + lift, shape->slope, 3.0 * i / SIDES);
+			shape->level + lift, shape->slope, u);
 	}
 }
 
-static void join_rings(struct mesh_sink *sink, const uint32_t *low, const uint32_t *high, bool high_twisted)
+/* high[i] stands between low[i] and the next one. */
+static void join_rings(struct mesh_sink *sink, const uint32_t *low, const uint32_t *high)
 {
 	for (int i = 0; i < SIDES; i++) {
-		if (high_twisted) { /* high[i] stands between low[i] and low[i + 1] */
-			mesh_add_triangle(sink, PKG_PASS_OPAQUE, low[i], low[i + 1], high[i]);
-			mesh_add_triangle(sink, PKG_PASS_OPAQUE, low[i + 1], high[i + 1], high[i]);
-		} else {
-			mesh_add_triangle(sink, PKG_PASS_OPAQUE, low[i], low[i + 1], high[i + 1]);
-			mesh_add_triangle(sink, PKG_PASS_OPAQUE, low[i], high[i + 1], high[i]);
-		}
+		int k = (i + 1) % SIDES;
+		mesh_add_triangle(sink, PKG_PASS_OPAQUE, low[i], low[k], high[i]);
+		mesh_add_triangle(sink, PKG_PASS_OPAQUE, low[k], high[k], high[i]);
 	}
 }
 
 static void close_ring(struct mesh_sink *sink, const uint32_t *ring, uint32_t apex, bool top)
 {
-	for (int i = 0; i < SIDES; i++)
-		mesh_add_triangle(sink, PKG_PASS_OPAQUE, ring[top ? i : i + 1], ring[top ? i + 1 : i], apex);
+	for (int i = 0; i < SIDES; i++) {
+		int k = (i + 1) % SIDES;
+		mesh_add_triangle(sink, PKG_PASS_OPAQUE, ring[top ? i : k], ring[top ? k : i], apex);
+	}
 }
 
 /* Three body shapes by the tree's hash: broad, round, tall. */
 static void add_leaf_crown(struct mesh_sink *sink, const struct tree_look *look)
 {
-	static const struct ring_shape shapes[3][3] = {
-		{ { 0.80, 0.14, -0.45 }, { 1.02, 0.42, 0.15 }, { 0.70, 0.80, 0.80 } },
-		{ { 0.72, 0.18, -0.50 }, { 1.00, 0.52, 0.10 }, { 0.62, 0.86, 0.90 } },
-		{ { 0.66, 0.15, -0.40 }, { 0.92, 0.50, 0.05 }, { 0.56, 0.85, 0.70 } },
+	static const struct ring_shape shapes[3][2] = {
+		{ { 0.98, 0.27, -0.25 }, { 0.80, 0.78, 0.80 } },
+		{ { 0.94, 0.30, -0.30 }, { 0.76, 0.80, 0.85 } },
+		{ { 0.88, 0.26, -0.20 }, { 0.66, 0.76, 0.70 } },
 	};
 	const struct ring_shape *shape = shapes[(look->hash >> 8) % 3];
-	uint32_t rings[3][SIDES + 1];
+	uint32_t rings[2][SIDES];
 	uint32_t low = crown_vertex(sink, look, 0.0, 0.0, 0.0, -1.0, 1.5);
-	for (uint32_t i = 0; i < 3; i++)
+	for (uint32_t i = 0; i < 2; i++)
 		add_ring(sink, look, &shape[i], i, rings[i]);
-	double lean = 0.15 * (roll(look->hash, 3) - 0.5);
-	uint32_t top = crown_vertex(sink, look, lean, lean, 1.0, 1.0, 1.5);
+	double lean = 0.2 * (roll(look->hash, 3) - 0.5);
+	uint32_t top = crown_vertex(sink, look, lean, -lean, 0.98, 1.0, 1.5);
 	close_ring(sink, rings[0], low, false);
-	join_rings(sink, rings[0], rings[1], true);
-	join_rings(sink, rings[1], rings[2], false);
-	close_ring(sink, rings[2], top, true);
+	join_rings(sink, rings[0], rings[1]);
+	close_ring(sink, rings[1], top, true);
 }
 
 static void add_needle_crown(struct mesh_sink *sink, const struct tree_look *look)
 {
-	static const struct ring_shape tiers[2] = { { 1.0, 0.02, 0.35 }, { 0.68, 0.42, 0.35 } };
-	static const double tops[2] = { 0.72, 1.0 };
+	static const struct ring_shape tiers[2] = { { 1.0, 0.04, 0.3 }, { 0.7, 0.42, 0.4 } };
+	static const double tops[2] = { 0.74, 1.0 };
 	for (uint32_t i = 0; i < 2; i++) {
-		uint32_t ring[SIDES + 1];
+		uint32_t ring[SIDES];
 		add_ring(sink, look, &tiers[i], i, ring);
 		uint32_t low = crown_vertex(sink, look, 0.0, 0.0, tiers[i].level + 0.06, -1.0, 1.5);
 		uint32_t top = crown_vertex(sink, look, 0.0, 0.0, tops[i], 1.0, 1.5);
@@ -125,22 +129,23 @@ static void add_needle_crown(struct mesh_sink *sink, const struct tree_look *loo
 	}
 }
 
+/* Three sides from the ground into the crown. */
 static void add_trunk(struct mesh_sink *sink, const struct tree_look *look)
 {
-	enum { TRUNK_SIDES = 5 };
+	enum { TRUNK_SIDES = 3 };
 	double top = look->crown_low + (look->height - look->crown_low) * 0.25;
-	double radius = 0.09 + 0.014 * look->height;
+	double radius = 0.1 + 0.016 * look->height, twist = roll(look->hash, 2) * 2.0;
 	uint32_t ring[2][TRUNK_SIDES];
 	for (int end = 0; end < 2; end++)
 		for (int i = 0; i < TRUNK_SIDES; i++) {
-			double turn = 2.0 * BLVD_PI * i / TRUNK_SIDES, r = end ? radius * 0.6 : radius;
+			double turn = twist + 2.0 * BLVD_PI * i / TRUNK_SIDES, r = end ? radius * 0.6 : radius;
 			struct mesh_vertex vertex = {
 				.at = { look->foot.x + cos(turn) * r, look->foot.y + sin(turn) * r,
 					look->foot.z + (end ? top : -0.25) },
 				.normal = { (float)cos(turn), (float)sin(turn), 0.0f },
 				.u = (float)i / TRUNK_SIDES,
 				.v = end ? (float)top : 0.0f,
-				.ao = end ? 0.55f : 0.75f,
+				.ao = end ? 0.6f : 0.8f,
 				.material = MATERIAL_BARK,
 				.rgb = { 255, 255, 255 },
 			};
@@ -168,10 +173,13 @@ static void add_tree(struct mesh_sink *sink, const struct city *city, const stru
 	look.height *= 0.92 + 0.16 * roll(look.hash, 5);
 	look.crown_radius = tree->crown_radius_m > 0.3f ? fmin((double)tree->crown_radius_m, 12.0) : look.height * 0.32;
 	look.crown_low = look.needle ? look.height * 0.12 : fmin(fmax(look.height * 0.27, 1.9), look.height * 0.5);
-	double warm = roll(look.hash, 6) - 0.5, bright = 0.88 + 0.2 * roll(look.hash, 7);
-	look.rgb[0] = shade(228.0 + 40.0 * warm, bright);
-	look.rgb[1] = shade(236.0 + 8.0 * warm, bright);
-	look.rgb[2] = shade(222.0 - 30.0 * warm, bright);
+	/* plane, lime, maple, chestnut */
+	static const double tones[4][3] = { { 250, 246, 232 }, { 244, 250, 206 }, { 255, 240, 196 }, { 222, 238, 220 } };
+	const double *tone = tones[(look.hash >> 16) % 4];
+	double warm = roll(look.hash, 6) - 0.5, bright = 0.92 + 0.12 * roll(look.hash, 7);
+	look.rgb[0] = shade(tone[0] + 16.0 * warm, bright);
+	look.rgb[1] = shade(tone[1], bright);
+	look.rgb[2] = shade(tone[2] - 16.0 * warm, bright);
 	if (look.needle)
 		add_needle_crown(sink, &look);
 	else
@@ -217,17 +225,31 @@ static double planting_step(const struct ground_area *area)
 	return 0.0;
 }
 
+static bool inside_forest(const struct ground_plan *plan, const struct ground_area *area, struct dvec2 at)
+{
+	static const double reach[4][2] = { { FOREST_EDGE_M, 0 }, { -FOREST_EDGE_M, 0 }, { 0, FOREST_EDGE_M },
+		{ 0, -FOREST_EDGE_M } };
+	for (int i = 0; i < 4; i++) {
+		struct dvec2 there = { at.x + reach[i][0], at.y + reach[i][1] };
+		if (ground_on_any_road(plan, there, 4.0) || ground_top_area(plan, there) != area)
+			return false;
+	}
+	return true;
+}
+
 static void plant_at(
 	const struct ground_plan *plan, tree_array *trees, const struct ground_area *area, struct dvec2 at, uint64_t hash)
 {
 	if (at.x < plan->min.x || at.x > plan->max.x || at.y < plan->min.y || at.y > plan->max.y ||
 		ground_top_area(plan, at) != area || !may_stand(plan, at, 2.0) || ground_on_path(plan, at, 0.9))
 		return;
-	bool forest = area->region == REGION_FOREST;
+	bool forest = area->region == REGION_FOREST, inside = forest && inside_forest(plan, area, at);
+	if (inside && roll(hash, 12) > FOREST_INSIDE_SHARE)
+		return;
 	struct tree tree = { .at = at };
 	tree.needle = roll(hash, 10) < (forest ? 0.25 : 0.08);
 	tree.height_m = (float)((forest ? 10.0 : 8.0) + 7.0 * roll(hash, 11));
-	tree.crown_radius_m = tree.height_m * (tree.needle ? 0.22f : 0.31f);
+	tree.crown_radius_m = tree.height_m * (tree.needle ? 0.22f : 0.31f) * (inside ? 1.4f : 1.0f);
 	place_tree(trees, &tree);
 }
 
