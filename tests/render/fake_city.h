@@ -173,6 +173,7 @@ static void fake_city_make(struct fake_city *city, int blocks, const int32_t shi
 {
 	static const char strings[1] = "";
 	uint32_t count = (uint32_t)(blocks * blocks);
+	assert_true(count > 0);
 	memset(city, 0, sizeof(*city));
 	city->chunks = calloc(count, sizeof(*city->chunks));
 	city->objects = calloc((size_t)count * 2, sizeof(*city->objects));

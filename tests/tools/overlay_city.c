@@ -12,8 +12,8 @@ static const char *const street_names[OVERLAY_NAMES] = {
 	"Boulevard Georges-Favon",
 	"Rue du Rh\xC3\xB4ne",
 	"Place Neuve",
-	"Rue de la Conf\xC3\xA9"
-	"d\xC3\xA9ration",
+	("Rue de la Conf\xC3\xA9"
+	 "d\xC3\xA9ration"),
 	"Avenue de la Gare-des-Eaux-Vives",
 	"Rue Verte",
 	"Cours de Rive",

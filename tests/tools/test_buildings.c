@@ -163,7 +163,7 @@ static size_t open_edges(const struct shell *shell, double foot, bool print)
 			for (size_t p = 0; p < count; p++)
 				ARRAY_PUSH(&edges, pieces[p]);
 		}
-	qsort(edges.items, edges.count, sizeof(edges.items[0]), edge_order);
+	ARRAY_SORT(&edges, edge_order);
 	size_t open = 0;
 	for (size_t i = 0; i < edges.count;) {
 		int sum = 0;

@@ -67,8 +67,9 @@ static int write_small_package(void **state)
 	struct materials materials = { 0 };
 	ARRAY_PUSH(&materials.table, (struct pkg_material){ .kind = PKG_MATERIAL_SOLID });
 	struct pkg_texture_array array = { .format = PKG_TEXTURE_R8, .width = 1, .height = 1, .layers = 1, .levels = 1 };
-	for (size_t i = 0; i < sizeof(array); i++)
-		ARRAY_PUSH(&materials.texture, ((const uint8_t *)&array)[i]);
+	ARRAY_RESERVE(&materials.texture, sizeof(array) + 1);
+	memcpy(materials.texture.items, &array, sizeof(array));
+	materials.texture.count = sizeof(array);
 	ARRAY_PUSH(&materials.texture, 200);
 	struct pkg_content content = { .city = &city, .graph = &graph, .mesh = &mesh, .materials = &materials };
 	assert_int_equal(pkg_write(path, &content), 0);

@@ -1,5 +1,7 @@
 #include "tools/bake/bins.h"
 
+#include <assert.h>
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -46,6 +48,7 @@ void bins_build(struct bins *bins)
 	bins->rows = bins->entries.items[count - 1].row - bins->row0 + 1;
 	bins->col0 = col_min;
 	bins->cols = col_max - col_min + 1;
+	assert(bins->rows > 0 && bins->cols > 0);
 	size_t squares = (size_t)bins->rows * (size_t)bins->cols;
 	bins->first = array_grow(NULL, &(size_t){ 0 }, squares + 1, sizeof(uint32_t));
 	size_t at = 0;

@@ -343,7 +343,7 @@ static void wear_by_kind(struct massing *m, struct pick *pick, enum region regio
 		f->storey_m = 4.5;
 		break;
 	case BUILDING_CHURCH:
-		wear_plain(m, pick, region, region == REGION_BRITAIN ? WALL_STONE : WALL_STONE);
+		wear_plain(m, pick, region, WALL_STONE);
 		f->upper = f->ground = MATERIAL_WALL_CHURCH;
 		f->door = MATERIAL_DOOR_CHURCH;
 		f->bay_m = 4.5;

@@ -283,8 +283,8 @@ static void lay_stop(struct marker *marker, double along, bool forward, bool tee
 	int count = (int)((high - low) / 0.9);
 	for (int i = 0; i < count; i++) {
 		double left = low + (high - low) * (i + 0.85) / count, right = low + (high - low) * (i + 0.15) / count;
-		double base = forward ? along : along, tip = forward ? along - 0.65 : along + 0.65;
-		struct dvec2 corners[3] = { place_at(marker->road, base, left), place_at(marker->road, base, right),
+		double tip = forward ? along - 0.65 : along + 0.65;
+		struct dvec2 corners[3] = { place_at(marker->road, along, left), place_at(marker->road, along, right),
 			place_at(marker->road, tip, (left + right) / 2.0) };
 		if (dvec2_cross(dvec2_sub(corners[1], corners[0]), dvec2_sub(corners[2], corners[0])) < 0.0) {
 			struct dvec2 swap = corners[1];

@@ -230,9 +230,7 @@ static void add_line(
 		road.course = (enum road_course)samples.items[from].course;
 		/* A stretch off the ground reaches to the first sample on it, so that nothing is left between. */
 		size_t first = from, last = to;
-		if (road.course == ROAD_GROUND) {
-			last = to;
-		} else {
+		if (road.course != ROAD_GROUND) {
 			first = from && samples.items[from - 1].course == ROAD_GROUND ? from - 1 : from;
 			last = to + 1 < samples.count ? to + 1 : to;
 			road.starts_open = first < from;

@@ -347,6 +347,7 @@ static struct cdt_point crossing_of(struct cdt_point a, struct cdt_point b, stru
 		bottom = -bottom;
 		top = -top;
 	}
+	assert(bottom > 0);                                                      /* they cross, so they are not parallel */
 	wide x = (wide)abx * top * 2 + bottom, y = (wide)aby * top * 2 + bottom; /* round half up: floor((2 n + d) / 2 d) */
 	wide divisor = (wide)bottom * 2;
 	wide qx = x / divisor - (x % divisor < 0), qy = y / divisor - (y % divisor < 0);

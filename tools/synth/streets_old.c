@@ -128,8 +128,9 @@ void streets_old_town(struct synth *synth)
 				name = name_street(synth, 3);
 		}
 	}
+	int quarter = wheel.spokes >= 4 ? wheel.spokes / 4 : 1;
 	for (int k = 0; k < wheel.spokes; k++) {
-		const char *name = name_street(synth, k % (wheel.spokes / 4) ? 3 : 1);
+		const char *name = name_street(synth, k % quarter ? 3 : 1);
 		for (int r = 0; r + 1 < wheel.rings; r++) {
 			bool inner_skip = r == 0 && k % 2; /* the square has half as many ways in */
 			bool skip = k % (wheel.spokes / 4) && inner_skip;
