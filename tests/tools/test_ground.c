@@ -465,6 +465,60 @@ static void light_map_is_darker_in_a_courtyard(void **state)
 	finish(&f);
 }
 
+struct kind_count {
+	uint64_t triangles[PKG_OBJECT_FURNITURE + 1];
+};
+
+static void count_kind(struct fixture *f, const struct triangle *t, void *context)
+{
+	(void)f;
+	struct kind_count *count = context;
+	count->triangles[t->object->kind]++;
+}
+
+static void trees_and_lamps_are_lean(void **state)
+{
+	(void)state;
+	struct fixture f = { 0 };
+	city_start(&f.city, &f.report);
+	f.city.min = (struct dvec2){ -200, -200 };
+	f.city.max = (struct dvec2){ 200, 200 };
+	city_street(&f.city, 1, 2, (const double[][3]){ { 1, -190, 0 }, { 2, 190, 0 } })->lit = true;
+	enum { TREES = 30 };
+	for (int i = 0; i < TREES; i++)
+		ARRAY_PUSH(&f.city.trees,
+			(struct tree){
+				.at = { -150.0 + 10.0 * i, 12.0 }, .height_m = 8.0f, .from_data = true, .needle = i % 4 == 0 });
+	build(&f);
+	struct kind_count count = { 0 };
+	visit_triangles(&f, count_kind, &count);
+	assert_true(count.triangles[PKG_OBJECT_TREE] >= TREES * 20 && count.triangles[PKG_OBJECT_TREE] <= TREES * 48);
+	assert_true(f.lamps.count > 5 && count.triangles[PKG_OBJECT_FURNITURE] <= f.lamps.count * 32);
+	finish(&f);
+}
+
+static void ground_spends_no_triangles_on_what_is_hidden(void **state)
+{
+	(void)state;
+	uint64_t triangles[2];
+	for (int hidden = 0; hidden < 2; hidden++) {
+		struct fixture f = { 0 };
+		city_start(&f.city, &f.report);
+		f.city.min = (struct dvec2){ -200, -200 };
+		f.city.max = (struct dvec2){ 200, 200 };
+		add_area(&f.city, AREA_PARK, -100, -100, 100, 100);
+		for (int i = 0; hidden && i < 9; i++) /* parks in the park */
+			add_area(&f.city, AREA_PARK, -90 + 20 * i, -80, -75 + 20 * i, 80);
+		build(&f);
+		check_coverage(&f);
+		struct kind_count count = { 0 };
+		visit_triangles(&f, count_kind, &count);
+		triangles[hidden] = count.triangles[PKG_OBJECT_GROUND];
+		finish(&f);
+	}
+	assert_int_equal(triangles[0], triangles[1]);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -478,6 +532,8 @@ int main(void)
 		cmocka_unit_test(same_city_same_bytes),
 		cmocka_unit_test(dirty_areas_and_streets_do_no_harm),
 		cmocka_unit_test(a_city_without_streets_is_ground_all_over),
+		cmocka_unit_test(trees_and_lamps_are_lean),
+		cmocka_unit_test(ground_spends_no_triangles_on_what_is_hidden),
 		cmocka_unit_test(light_map_is_darker_in_a_courtyard),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

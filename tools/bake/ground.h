@@ -177,6 +177,9 @@ bool ground_on_any_road(const struct ground_plan *plan, struct dvec2 at, double 
 double ground_road_nearness(const struct ground_plan *plan, struct dvec2 at, enum road_course course, double *z);
 /* As ground_on_road() for what is walked on, cycled on or railed. */
 bool ground_on_path(const struct ground_plan *plan, struct dvec2 at, double margin_m);
+/* Does a street for cars pass within about `reach_m`? What is farther is seen from afar only. */
+bool ground_near_street(const struct ground_plan *plan, struct dvec2 at, double reach_m);
+#define STREET_SIDE_M 40.0
 /* Is the place inside a footprint that reaches the ground? */
 bool ground_in_building(const struct ground_plan *plan, struct dvec2 at);
 /* Is the neighbourhood? */

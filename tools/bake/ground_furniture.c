@@ -83,6 +83,25 @@ static bool lamp_style_of(const struct ground_plan *plan, const struct road *roa
 	}
 }
 
+/* A ridge over the lamp: two slopes and two gables. */
+static void add_head(struct soup *soup, struct dvec3 end, struct dvec2 along)
+{
+	struct dvec2 l = dvec2_scale(along, 0.38), w = { -along.y * 0.13, along.x * 0.13 };
+	double low = end.z - 0.05, high = end.z + 0.08;
+	const struct dvec3 corners[4] = { { end.x - l.x - w.x, end.y - l.y - w.y, low },
+		{ end.x + l.x - w.x, end.y + l.y - w.y, low }, { end.x + l.x + w.x, end.y + l.y + w.y, low },
+		{ end.x - l.x + w.x, end.y - l.y + w.y, low } };
+	const struct dvec3 ridge[2] = { { end.x - l.x, end.y - l.y, high }, { end.x + l.x, end.y + l.y, high } };
+	soup_quad(soup, corners[0], corners[1], ridge[1], ridge[0]);
+	soup_quad(soup, corners[2], corners[3], ridge[0], ridge[1]);
+	for (int side = 0; side < 2; side++) {
+		struct vec3 normal = { (float)(side ? along.x : -along.x), (float)(side ? along.y : -along.y), 0.0f };
+		uint32_t a = soup_vertex(soup, corners[side ? 1 : 3], normal, 0.0, 0.0);
+		uint32_t b = soup_vertex(soup, corners[side ? 2 : 0], normal, 0.2, 0.0);
+		soup_triangle(soup, a, b, soup_vertex(soup, ridge[side], normal, 0.1, 0.1));
+	}
+}
+
 static void add_lamp(
 	struct soup *soup, lamp_array *lamps, struct dvec3 foot, struct dvec2 to_road, const struct lamp_style *style)
 {
@@ -92,7 +111,7 @@ static void add_lamp(
 	paint(soup, MATERIAL_METAL, 96, 102, 104, 0.9f);
 	add_post(soup, foot, top, 0.09, 0.05);
 	add_post(soup, top, end, 0.045, 0.035);
-	soup_box(soup, (struct dvec3){ end.x, end.y, end.z - 0.05 }, to_road, 0.38, 0.13, 0.12);
+	add_head(soup, end, to_road);
 	paint(soup, MATERIAL_LAMP, 255, 244, 220, 1.0f);
 	struct dvec2 across = { -to_road.y, to_road.x };
 	struct dvec3 corners[4];

@@ -79,6 +79,43 @@ static struct dvec3 on_ground(const struct city *city, struct dvec2 at)
 	return (struct dvec3){ at.x, at.y, city_ground(city, at) + KERB_M };
 }
 
+static void add_barrier(
+	const struct ground_plan *plan, struct soup *soup, enum line_kind kind, struct barrier size, struct dvec2 ends[2])
+{
+	if (kind != LINE_FENCE)
+		add_piece(soup, plan->city, ends[0], ends[1], size);
+	else
+		soup_railing(soup, on_ground(plan->city, ends[0]), on_ground(plan->city, ends[1]), size.height_m);
+}
+
+/* Nothing where streets pass: a gate. A fence that is seen from no street is too thin to be seen at all. */
+static bool stands(const struct ground_plan *plan, enum line_kind kind, struct dvec2 middle)
+{
+	return !ground_on_any_road(plan, middle, 0.0) &&
+		   (kind != LINE_FENCE || ground_near_street(plan, middle, STREET_SIDE_M));
+}
+
+/* Pieces follow the terrain; without one those that stand in a row are one. */
+static void add_straight(const struct ground_plan *plan, struct soup *soup, enum line_kind kind, struct barrier size,
+	struct dvec2 a, struct dvec2 b)
+{
+	struct dvec2 d = dvec2_sub(b, a), run[2] = { a, a };
+	int pieces = (int)ceil(dvec2_length(d) / PIECE_M);
+	bool open = false;
+	for (int p = 0; p < pieces; p++) {
+		bool here = stands(plan, kind, dvec2_add(a, dvec2_scale(d, (p + 0.5) / pieces)));
+		if (open && (!here || plan->has_terrain))
+			add_barrier(plan, soup, kind, size, run);
+		if (here && (!open || plan->has_terrain))
+			run[0] = dvec2_add(a, dvec2_scale(d, (double)p / pieces));
+		if (here)
+			run[1] = dvec2_add(a, dvec2_scale(d, (p + 1.0) / pieces));
+		open = here;
+	}
+	if (open)
+		add_barrier(plan, soup, kind, size, run);
+}
+
 void ground_lines_build(const struct ground_plan *plan, struct soup *soup)
 {
 	soup->pass = PKG_PASS_OPAQUE;
@@ -91,20 +128,8 @@ void ground_lines_build(const struct ground_plan *plan, struct soup *soup)
 		for (size_t k = 0, next; k + 1 < line->count; k = next) {
 			next = next_corner(line, k);
 			struct dvec2 a = line->points[k], b = line->points[next];
-			if (a.x < plan->min.x || a.x > plan->max.x || a.y < plan->min.y || a.y > plan->max.y)
-				continue;
-			int pieces = (int)ceil(dvec2_length(dvec2_sub(b, a)) / PIECE_M);
-			for (int p = 0; p < pieces; p++) {
-				struct dvec2 from = dvec2_add(a, dvec2_scale(dvec2_sub(b, a), (double)p / pieces));
-				struct dvec2 to = dvec2_add(a, dvec2_scale(dvec2_sub(b, a), (double)(p + 1) / pieces));
-				/* a gate: walls stop where streets pass */
-				if (ground_on_any_road(plan, dvec2_scale(dvec2_add(from, to), 0.5), 0.0))
-					continue;
-				if (line->kind == LINE_FENCE)
-					soup_railing(soup, on_ground(plan->city, from), on_ground(plan->city, to), size.height_m);
-				else
-					add_piece(soup, plan->city, from, to, size);
-			}
+			if (a.x >= plan->min.x && a.x <= plan->max.x && a.y >= plan->min.y && a.y <= plan->max.y)
+				add_straight(plan, soup, line->kind, size, a, b);
 		}
 	}
 }

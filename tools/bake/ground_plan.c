@@ -406,6 +406,20 @@ bool ground_on_path(const struct ground_plan *plan, struct dvec2 at, double marg
 	return false;
 }
 
+bool ground_near_street(const struct ground_plan *plan, struct dvec2 at, double reach_m)
+{
+	int32_t squares = (int32_t)ceil(reach_m / SEGMENT_BIN_M);
+	for (int32_t row = -squares; row <= squares; row++)
+		for (int32_t col = -squares; col <= squares; col++) {
+			struct bin_items near = bins_near(
+				&plan->segment_bins, (struct dvec2){ at.x + col * SEGMENT_BIN_M, at.y + row * SEGMENT_BIN_M });
+			for (size_t i = 0; i < near.count; i++)
+				if (plan->roads.items[plan->segments.items[near.entries[i].item].road].edge != PKG_NONE)
+					return true;
+		}
+	return false;
+}
+
 static void bin_lines(struct ground_plan *plan)
 {
 	plan->line_bins.step_m = MESH_TILE_M;

@@ -122,7 +122,7 @@ void soup_box(struct soup *soup, struct dvec3 bottom, struct dvec2 direction, do
 		(struct dvec3){ corners[3].x, corners[3].y, high });
 }
 
-#define RAILING_POST_M 4.0
+#define RAILING_POST_M 5.0
 
 /* An upright band seen from both sides, between two heights above its foot. */
 static void add_band(struct soup *soup, struct dvec3 a, struct dvec3 b, double low, double high)

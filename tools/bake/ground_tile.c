@@ -11,7 +11,8 @@
 #include "tools/bake/ground.h"
 
 #define SKIRT_M 0.6
-#define STRAIGHT_M 0.04       /* borders may move this far to save corners */
+#define STRAIGHT_M 0.08       /* borders of carriageways may move this far to save corners */
+#define STRAIGHT_LAND_M 0.15  /* others */
 #define STRAIGHT_EXACT_M 0.01 /* where a structure meets them */
 #define KERB_STONE_M 0.18
 #define SHAPE_REACH_M 3.0 /* lines are cut this far outside the tile, beyond their width */
@@ -249,8 +250,10 @@ static double border_tolerance(const void *context, uint32_t face_a, uint32_t fa
 	uint32_t a = tile->partition.faces.items[face_a].tag, b = tile->partition.faces.items[face_b].tag;
 	if (a == b)
 		return -1.0;
-	bool exact = tile->surfaces.items[a].region <= REGION_PIT || tile->surfaces.items[b].region <= REGION_PIT;
-	return exact ? STRAIGHT_EXACT_M : STRAIGHT_M;
+	enum ground_region first = tile->surfaces.items[a].region, second = tile->surfaces.items[b].region;
+	if (first <= REGION_PIT || second <= REGION_PIT)
+		return STRAIGHT_EXACT_M;
+	return region_is_road(first) || region_is_road(second) ? STRAIGHT_M : STRAIGHT_LAND_M;
 }
 
 /* Cuts once with everything to see which borders show, and then with these alone. */

@@ -10,7 +10,8 @@
 #include "platform/base/rng.h"
 #include "tools/bake/ground.h"
 
-#define SIDES 6
+#define SIDES 6     /* at most */
+#define FAR_SIDES 5 /* away from streets */
 #define PLANTED_MAX 40000.0
 #define FOREST_EDGE_M 16.0
 #define FOREST_INSIDE_SHARE 0.4 /* of the edge's trees */
@@ -19,7 +20,8 @@
 struct tree_look {
 	struct dvec3 foot;
 	double height, crown_radius, crown_low; /* crown_low: of the crown's lower end above the foot */
-	bool needle;
+	bool needle, inside;                    /* inside: of a forest, whose trunks nobody sees */
+	int sides;
 	uint64_t hash;
 	uint8_t rgb[3];
 };
@@ -27,6 +29,7 @@ struct tree_look {
 struct tree_place {
 	struct tree tree;
 	int32_t row, col;
+	bool inside; /* of a forest */
 };
 typedef ARRAY(struct tree_place) tree_array;
 
@@ -65,32 +68,32 @@ struct ring_shape {
 static void add_ring(struct mesh_sink *sink, const struct tree_look *look, const struct ring_shape *shape,
 	uint32_t index, uint32_t out[SIDES])
 {
-	double twist = roll(look->hash, 1) * 6.3 + (index & 1 ? BLVD_PI / SIDES : 0.0);
-	for (uint32_t i = 0; i < SIDES; i++) {
-		double rough = 0.9 + 0.22 * roll(look->hash, 16 + index * SIDES + i);
-		double turn = twist + 2.0 * BLVD_PI * i / SIDES;
-		double lift = 0.08 * (roll(look->hash, 64 + index * SIDES + i) - 0.5);
+	double twist = roll(look->hash, 1) * 6.3 + (index & 1 ? BLVD_PI / look->sides : 0.0);
+	for (int i = 0; i < look->sides; i++) {
+		double rough = 0.9 + 0.22 * roll(look->hash, 16 + index * SIDES + (uint32_t)i);
+		double turn = twist + 2.0 * BLVD_PI * i / look->sides;
+		double lift = 0.08 * (roll(look->hash, 64 + index * SIDES + (uint32_t)i) - 0.5);
 		/* the texture is mirrored half way round: no seam */
-		double u = 3.0 * fabs(1.0 - 2.0 * i / SIDES);
+		double u = 3.0 * fabs(1.0 - 2.0 * i / look->sides);
 		out[i] = crown_vertex(sink, look, cos(turn) * shape->radius * rough, sin(turn) * shape->radius * rough,
 			shape->level + lift, shape->slope, u);
 	}
 }
 
 /* high[i] stands between low[i] and the next one. */
-static void join_rings(struct mesh_sink *sink, const uint32_t *low, const uint32_t *high)
+static void join_rings(struct mesh_sink *sink, int sides, const uint32_t *low, const uint32_t *high)
 {
-	for (int i = 0; i < SIDES; i++) {
-		int k = (i + 1) % SIDES;
+	for (int i = 0; i < sides; i++) {
+		int k = (i + 1) % sides;
 		mesh_add_triangle(sink, PKG_PASS_OPAQUE, low[i], low[k], high[i]);
 		mesh_add_triangle(sink, PKG_PASS_OPAQUE, low[k], high[k], high[i]);
 	}
 }
 
-static void close_ring(struct mesh_sink *sink, const uint32_t *ring, uint32_t apex, bool top)
+static void close_ring(struct mesh_sink *sink, int sides, const uint32_t *ring, uint32_t apex, bool top)
 {
-	for (int i = 0; i < SIDES; i++) {
-		int k = (i + 1) % SIDES;
+	for (int i = 0; i < sides; i++) {
+		int k = (i + 1) % sides;
 		mesh_add_triangle(sink, PKG_PASS_OPAQUE, ring[top ? i : k], ring[top ? k : i], apex);
 	}
 }
@@ -110,9 +113,9 @@ static void add_leaf_crown(struct mesh_sink *sink, const struct tree_look *look)
 		add_ring(sink, look, &shape[i], i, rings[i]);
 	double lean = 0.2 * (roll(look->hash, 3) - 0.5);
 	uint32_t top = crown_vertex(sink, look, lean, -lean, 0.98, 1.0, 1.5);
-	close_ring(sink, rings[0], low, false);
-	join_rings(sink, rings[0], rings[1]);
-	close_ring(sink, rings[1], top, true);
+	close_ring(sink, look->sides, rings[0], low, false);
+	join_rings(sink, look->sides, rings[0], rings[1]);
+	close_ring(sink, look->sides, rings[1], top, true);
 }
 
 static void add_needle_crown(struct mesh_sink *sink, const struct tree_look *look)
@@ -124,8 +127,8 @@ static void add_needle_crown(struct mesh_sink *sink, const struct tree_look *loo
 		add_ring(sink, look, &tiers[i], i, ring);
 		uint32_t low = crown_vertex(sink, look, 0.0, 0.0, tiers[i].level + 0.06, -1.0, 1.5);
 		uint32_t top = crown_vertex(sink, look, 0.0, 0.0, tops[i], 1.0, 1.5);
-		close_ring(sink, ring, low, false);
-		close_ring(sink, ring, top, true);
+		close_ring(sink, look->sides, ring, low, false);
+		close_ring(sink, look->sides, ring, top, true);
 	}
 }
 
@@ -163,9 +166,12 @@ static uint8_t shade(double base, double factor)
 	return (uint8_t)lrint(fmin(fmax(base * factor, 0.0), 255.0));
 }
 
-static void add_tree(struct mesh_sink *sink, const struct city *city, const struct tree *tree)
+static void add_tree(struct mesh_sink *sink, const struct ground_plan *plan, const struct tree_place *place)
 {
-	struct tree_look look = { .needle = tree->needle };
+	const struct tree *tree = &place->tree;
+	const struct city *city = plan->city;
+	struct tree_look look = { .needle = tree->needle, .inside = place->inside };
+	look.sides = ground_near_street(plan, tree->at, STREET_SIDE_M) ? SIDES : FAR_SIDES;
 	look.hash =
 		hash_u64((uint64_t)llround(tree->at.x * 100.0) * UINT64_C(1000003) ^ (uint64_t)llround(tree->at.y * 100.0));
 	look.foot = (struct dvec3){ tree->at.x, tree->at.y, city_ground(city, tree->at) + KERB_M };
@@ -184,7 +190,8 @@ static void add_tree(struct mesh_sink *sink, const struct city *city, const stru
 		add_needle_crown(sink, &look);
 	else
 		add_leaf_crown(sink, &look);
-	add_trunk(sink, &look);
+	if (!look.inside)
+		add_trunk(sink, &look);
 }
 
 /* ---- where they stand ---- */
@@ -195,10 +202,10 @@ static bool may_stand(const struct ground_plan *plan, struct dvec2 at, double cl
 		   !ground_area_at(plan, at, REGION_WATER);
 }
 
-static void place_tree(tree_array *trees, const struct tree *tree)
+static void place_tree(tree_array *trees, const struct tree *tree, bool inside)
 {
-	ARRAY_PUSH(
-		trees, (struct tree_place){ *tree, (int32_t)floor(tree->at.y / CELL_M), (int32_t)floor(tree->at.x / CELL_M) });
+	ARRAY_PUSH(trees,
+		(struct tree_place){ *tree, (int32_t)floor(tree->at.y / CELL_M), (int32_t)floor(tree->at.x / CELL_M), inside });
 }
 
 /* A tree that the data puts into a street stood beside it: it is moved to the kerb, if it fits there. */
@@ -211,7 +218,7 @@ static void place_mapped(const struct ground_plan *plan, tree_array *trees, cons
 			moved.at = (struct dvec2){ tree->at.x + reach * cos(angle), tree->at.y + reach * sin(angle) };
 			if (!may_stand(plan, moved.at, 0.4))
 				continue;
-			place_tree(trees, &moved);
+			place_tree(trees, &moved, false);
 			return;
 		}
 }
@@ -219,7 +226,7 @@ static void place_mapped(const struct ground_plan *plan, tree_array *trees, cons
 static double planting_step(const struct ground_area *area)
 {
 	if (area->region == REGION_FOREST)
-		return 7.5;
+		return 8.5;
 	if (area->region == REGION_PARK)
 		return area->area->kind == AREA_CEMETERY ? 22.0 : 15.0;
 	return 0.0;
@@ -249,8 +256,8 @@ static void plant_at(
 	struct tree tree = { .at = at };
 	tree.needle = roll(hash, 10) < (forest ? 0.25 : 0.08);
 	tree.height_m = (float)((forest ? 10.0 : 8.0) + 7.0 * roll(hash, 11));
-	tree.crown_radius_m = tree.height_m * (tree.needle ? 0.22f : 0.31f) * (inside ? 1.4f : 1.0f);
-	place_tree(trees, &tree);
+	tree.crown_radius_m = tree.height_m * (tree.needle ? 0.22f : 0.33f) * (inside ? 1.4f : 1.0f);
+	place_tree(trees, &tree, inside);
 }
 
 /* A jittered grid over the area's box, the same grid for all areas. */
@@ -312,7 +319,7 @@ void trees_build(const struct city *city, const struct pkg_graph *graph, struct 
 		for (to = from; to < trees.count && trees.items[to].row == trees.items[from].row &&
 						trees.items[to].col == trees.items[from].col;
 			 to++)
-			add_tree(sink, city, &trees.items[to].tree);
+			add_tree(sink, &plan, &trees.items[to]);
 		mesh_end(sink);
 	}
 	ARRAY_FINISH(&trees);
