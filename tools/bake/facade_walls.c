@@ -168,8 +168,9 @@ static void draw_fronts(
 		bay = (w->length - s) / left;
 	}
 	for (int i = 0, last = 0; left > 0; i++) {
-		int width = left <= 3 ? left : 2 + (int)(hash >> 4 * i & 1);
-		int material = front_of(m, hash >> (8 + 3 * i), last);
+		uint64_t pick = hash_u64(hash + (uint64_t)i);
+		int width = left <= 3 ? left : 2 + (int)(pick & 1);
+		int material = front_of(m, pick >> 8, last);
 		draw_run(m, shell, w, st, low, &(struct run){ material, width, s, s + bay * width });
 		if (material == MATERIAL_SHOP_AWNING || material == MATERIAL_SHOP_CAFE)
 			facade_awning(m, w, s + 0.1, s + bay * width - 0.1, st->door + (st->first - st->door) * 0.74, shell);
