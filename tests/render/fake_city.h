@@ -112,7 +112,7 @@ static void fake_light_map(struct fake_city *city, int blocks)
 {
 	const uint32_t side = (uint32_t)blocks * 10;
 	city->light_map = (struct pkg_light_map){ .texel_mm = FAKE_PITCH_MM / 10, .width = side, .height = side };
-	city->light = malloc((size_t)side * side * 2);
+	city->light = malloc((size_t)side * side * 2 + 1);
 	for (uint32_t i = 0; i < side * side; i++) {
 		uint32_t x = i % side % 10, y = i / side % 10;
 		bool street = x < 2 || x > 7 || y < 2 || y > 7;
