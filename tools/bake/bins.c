@@ -51,13 +51,13 @@ void bins_build(struct bins *bins)
 	assert(bins->rows > 0 && bins->cols > 0);
 	size_t squares = (size_t)bins->rows * (size_t)bins->cols;
 	bins->first = array_grow(NULL, &(size_t){ 0 }, squares + 1, sizeof(uint32_t));
-	size_t at = 0;
-	for (size_t k = 0; k < squares; k++) {
-		bins->first[k] = (uint32_t)at;
-		int32_t row = bins->row0 + (int32_t)(k / (size_t)bins->cols);
-		int32_t col = bins->col0 + (int32_t)(k % (size_t)bins->cols);
-		while (at < count && bins->entries.items[at].row == row && bins->entries.items[at].col == col)
-			at++;
+	size_t at = 0, k = 0;
+	for (int32_t row = bins->row0; row < bins->row0 + bins->rows; row++) {
+		for (int32_t col = bins->col0; col < bins->col0 + bins->cols; col++) {
+			bins->first[k++] = (uint32_t)at;
+			while (at < count && bins->entries.items[at].row == row && bins->entries.items[at].col == col)
+				at++;
+		}
 	}
 	bins->first[squares] = (uint32_t)at;
 }

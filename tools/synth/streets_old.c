@@ -133,7 +133,7 @@ void streets_old_town(struct synth *synth)
 		const char *name = name_street(synth, k % quarter ? 3 : 1);
 		for (int r = 0; r + 1 < wheel.rings; r++) {
 			bool inner_skip = r == 0 && k % 2; /* the square has half as many ways in */
-			bool skip = k % (wheel.spokes / 4) && inner_skip;
+			bool skip = k % quarter && inner_skip;
 			struct street_kind kind = kind_of(&wheel, r, true, k);
 			if (!skip)
 				add_line(&wheel, wheel.at[r][k], wheel.at[r + 1][k], id_of(r, k), id_of(r + 1, k), &kind, name, false);
