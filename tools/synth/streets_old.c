@@ -102,7 +102,8 @@ static struct street_kind kind_of(const struct wheel *wheel, int ring, bool radi
 {
 	if (ring + 1 == wheel->rings)
 		return (struct street_kind){ PKG_STREET_SECONDARY, 13.0, 4, 50, .street = { .trees = true } };
-	if (radial && spoke % (wheel->spokes / 4) == 0)
+	int quarter = wheel->spokes >= 4 ? wheel->spokes / 4 : 1;
+	if (radial && spoke % quarter == 0)
 		return (struct street_kind){ PKG_STREET_TERTIARY, 7.0, 2, 30, .street = { .surface = "sett" } };
 	return (struct street_kind){ PKG_STREET_LIVING, 4.8, 2, 20, .street = { .surface = "sett" } };
 }
