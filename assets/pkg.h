@@ -57,6 +57,14 @@ struct pkg {
 	uint32_t text_count;
 	const struct pkg_glyph_at *glyph_runs;
 	uint32_t glyph_run_count;
+	const struct pkg_stretch *stretches; /* NULL: no far field */
+	uint32_t stretch_count;
+	const uint32_t *first_stretch; /* of edge e; edge_count + 1 of them */
+	const struct pkg_cell *cells;  /* 2 a stretch */
+	const uint8_t *blobs;          /* CELD */
+	uint64_t blobs_bytes;
+	const struct pkg_occluder *occluders; /* NULL: none */
+	uint32_t occluder_count;
 };
 
 /* Returns 0, -errno from the file system, or -EBADMSG with `fault` filled in. On failure `pkg` is zeroed. */

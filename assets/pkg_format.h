@@ -339,4 +339,138 @@ struct pkg_glyph_at {
 };
 static_assert(sizeof(struct pkg_glyph_at) == 12, "on-disk layout");
 
+/*
+ * The far field (DESIGN "Baking" 5 to 7). All of these sections are there, or none is.
+ *
+ * A stretch is a part of an edge that is short enough by the magnification rule (FACTS, "Parallax"). Its view cell is
+ * a box: eyes over the axis from `start_mm` to `end_mm` (on the carriageway's surface), up to half_width_mm to either
+ * side of it and as far beyond its ends as `overrun_mm` says, eye_min_mm to eye_max_mm above it. Stretch s has two
+ * cells: cell 2s looks along half-edge 2 edge, cell 2s+1 along its twin; a cell's distant model is what lies in the
+ * half-space in front of it, whatever the heading. The local model is the stretch's, for all headings.
+ */
+#define PKG_STRC PKG_TAG('S', 'T', 'R', 'C')
+struct pkg_blob {          /* bytes of CELD */
+	uint64_t offset;       /* multiple of PKG_BLOB_ALIGN */
+	uint32_t stored_bytes; /* 0: there is none. A zlib stream */
+	uint32_t raw_bytes;    /* after inflating */
+	uint32_t crc32;        /* of the stored bytes */
+	uint32_t reserved;
+};
+static_assert(sizeof(struct pkg_blob) == 24, "on-disk layout");
+#define PKG_BLOB_ALIGN 64u
+struct pkg_stretch {
+	uint32_t edge;
+	uint32_t from_mm, to_mm; /* along the edge's polyline, horizontal; an edge's stretches cover it without a gap */
+	int32_t start_mm[3], end_mm[3];
+	uint16_t half_width_mm, overrun_mm;
+	uint16_t eye_min_mm, eye_max_mm;
+	uint32_t near_mm;         /* triangles nearer than this to the axis, seen from above, are local */
+	uint32_t local_triangles; /* kept in the local model, of ... */
+	uint32_t near_triangles;  /* ... so many that are near enough */
+	uint32_t pvs_triangles;   /* of the visible set of both cells, without the local ones */
+	uint32_t reserved;
+	struct pkg_blob local; /* struct pkg_set_head ... */
+	struct pkg_blob pvs;   /* the same: what some pose of the view cell sees of the distant model; may be absent */
+	uint64_t input_hash;   /* of everything that this stretch and its cells were made of */
+};
+static_assert(sizeof(struct pkg_stretch) == 120, "on-disk layout");
+
+/* CIDX: uint32_t first_stretch[edge_count + 1]; stretches are sorted by edge, then from_mm. An edge may have none. */
+#define PKG_CIDX PKG_TAG('C', 'I', 'D', 'X')
+
+#define PKG_CELL PKG_TAG('C', 'E', 'L', 'L')
+enum pkg_cell_kind {
+	PKG_CELL_NOTHING,  /* nothing distant is in view: nothing is stored */
+	PKG_CELL_GEOMETRY, /* what is distant is drawn from the stretch's pvs */
+	PKG_CELL_IMPOSTOR,
+	PKG_CELL_KIND_COUNT,
+};
+enum pkg_cell_reason {
+	PKG_REASON_NONE_IN_VIEW,     /* nothing */
+	PKG_REASON_FEWER_TRIANGLES,  /* geometry is cheaper */
+	PKG_REASON_ERROR_TOO_LARGE,  /* geometry: no impostor within the limits keeps the accuracy */
+	PKG_REASON_IMPOSTOR_CHEAPER, /* impostor */
+	PKG_REASON_TAU_RELAXED,      /* impostor, and error_px > tau_px: the bound on triangles or bytes came first */
+	PKG_REASON_COUNT,
+};
+struct pkg_cell {
+	uint8_t kind;   /* enum pkg_cell_kind */
+	uint8_t reason; /* enum pkg_cell_reason */
+	uint16_t page_count;
+	uint32_t vertex_count, index_count; /* of the impostor */
+	uint32_t seen_triangles;            /* of the distant geometry that the cell sees */
+	float tau_px;                       /* accuracy asked for when it was made */
+	float error_px;                     /* largest displacement over the view cell, by the mesh's own bound */
+	float over_share;                   /* share of texels whose displacement may exceed tau_px */
+	uint32_t split_mm;                  /* z_s: distance from the capture pose to the nearest distant geometry */
+	int32_t origin_mm[3];               /* of the impostor's positions */
+	uint32_t reserved;
+	struct pkg_blob impostor; /* struct pkg_impostor_head ... */
+	struct pkg_blob truth;    /* for measuring, usually absent: struct pkg_truth_texel of every texel of every page */
+};
+static_assert(sizeof(struct pkg_cell) == 96, "on-disk layout");
+
+#define PKG_CELD PKG_TAG('C', 'E', 'L', 'D') /* element_bytes 1; the blobs, each with its own checksum */
+
+/* A set of triangles: the head, object_count struct pkg_set_object sorted by object, then the masks, one after
+ * another, of those objects that are not kept whole: one bit a triangle, lowest bit first, whole bytes; opaque
+ * triangles first, in the order of the object's indices. */
+struct pkg_set_head {
+	uint32_t object_count;
+	uint32_t triangle_count; /* kept */
+};
+static_assert(sizeof(struct pkg_set_head) == 8, "on-disk layout");
+struct pkg_set_object {
+	uint32_t object; /* into OBJS */
+	uint32_t kept;   /* triangles; all of the object's: it has no mask */
+};
+static_assert(sizeof(struct pkg_set_object) == 8, "on-disk layout");
+
+/* An impostor: the head, view_count struct pkg_impostor_view, vertices, indices (uint16_t, triangles, nearest first),
+ * padding to 16 bytes, pages (GL_COMPRESSED_RGBA8_ETC2_EAC, PKG_PAGE_PX square, first row at v = 0). Texels: rgb is
+ * sRGB albedo times tint times ambient occlusion, not lit. Alpha below PKG_PAGE_CUT: nothing is there, else the share
+ * of glass is (alpha - PKG_PAGE_CUT) / (255 - PKG_PAGE_CUT). Sampling is projective: (u z, v z, z) is linear in space,
+ * where z is the depth in the capture view. */
+#define PKG_PAGE_PX 256u
+#define PKG_PAGE_BYTES 65536u
+#define PKG_PAGE_CUT 64
+#define PKG_IMPOSTOR_VIEWS_MAX 32
+struct pkg_impostor_head {
+	uint32_t vertex_count; /* <= 65,535 */
+	uint32_t index_count;
+	uint32_t page_count;
+	uint32_t view_count; /* <= PKG_IMPOSTOR_VIEWS_MAX */
+};
+static_assert(sizeof(struct pkg_impostor_head) == 16, "on-disk layout");
+struct pkg_impostor_view {
+	float axis[4]; /* depth in m of a point p, metres from the cell's origin: dot(axis.xyz, p) + axis.w */
+};
+static_assert(sizeof(struct pkg_impostor_view) == 16, "on-disk layout");
+struct pkg_impostor_vertex {
+	int32_t pos_mm[3]; /* from the cell's origin */
+	uint16_t uv[2];    /* 1/128 texel of the page */
+	uint8_t page;
+	uint8_t view_kind;    /* capture view, plus 32 * (enum pkg_material_kind clamped to 7) */
+	int8_t normal_oct[2]; /* as pkg_mesh_vertex */
+};
+static_assert(sizeof(struct pkg_impostor_vertex) == 20, "on-disk layout");
+struct pkg_truth_texel {
+	uint32_t object; /* + 1; 0: not covered */
+	float pos_m[3];  /* what the texel shows, from the cell's origin */
+};
+static_assert(sizeof(struct pkg_truth_texel) == 16, "on-disk layout");
+
+/* OCCL: solids that hide what is behind them, as walls: footprints (joined, by height) shrunk by
+ * PKG_OCCLUDER_SHRINK_MM, standing on the ground. What the shrunk walls hide from a point, the real ones hide from
+ * everywhere within that distance of it (Wonka, Wimmer, Schmalstieg 2000, "Visibility Preprocessing with Occluder
+ * Fusion for Urban Walkthroughs", section 3). */
+#define PKG_OCCL PKG_TAG('O', 'C', 'C', 'L')
+#define PKG_OCCLUDER_SHRINK_MM 2000
+struct pkg_occluder {
+	int32_t from_mm[2], to_mm[2]; /* the solid is to the left */
+	int32_t top_mm;               /* everything below, down to the ground, is solid */
+	uint32_t solid;               /* walls of one closed contour share it */
+};
+static_assert(sizeof(struct pkg_occluder) == 24, "on-disk layout");
+
 #endif

@@ -1,0 +1,56 @@
+/*
+ * Renders sets of triangles from poses through our own GL, on a surfaceless context: unlit colour, disparity and what
+ * is seen, a pixel each. One capturer belongs to one thread.
+ */
+#ifndef BLVD_TOOLS_IMPOSTOR_CAPTURE_H
+#define BLVD_TOOLS_IMPOSTOR_CAPTURE_H
+
+#include "assets/pkg.h"
+#include "platform/base/vec.h"
+#include "tools/impostor/triangle_set.h"
+
+/* A pinhole camera that may look past its axis. Pixel (x, y) has its centre at (x + 0.5, y + 0.5), y down; its ray is
+ * forward + right (px - centre_x) / focal_px + up (centre_y - py) / focal_px. Depth z is along `forward`. */
+struct capture_view {
+	struct dvec3 eye;                /* city frame, m */
+	struct dvec3 right, up, forward; /* unit, right-handed: right x up = -forward */
+	double focal_px;
+	double centre_x, centre_y;
+	uint32_t width, height;
+	double near_m, far_m;
+};
+
+/* Position in pixels and depth of a point; false behind the eye. */
+bool capture_project(const struct capture_view *view, struct dvec3 point, double *x, double *y, double *z);
+/* The point seen at a pixel position, at disparity 1 / z. */
+struct dvec3 capture_point(const struct capture_view *view, double x, double y, double disparity);
+
+struct capture_pixel {
+	uint32_t object;      /* + 1; 0: nothing, the rest is 0 then */
+	float disparity;      /* 1 / z; linear, from the geometry and not from window depth */
+	int8_t normal_oct[2]; /* the triangle's shading normal */
+	uint8_t kind;         /* enum pkg_material_kind */
+	uint8_t seed;
+	uint32_t triangle; /* of the object: the bit's index, or PKG_NONE where it is not known */
+};
+static_assert(sizeof(struct capture_pixel) == 16, "as the GPU writes it");
+
+/* Rows from the top. Owned. */
+struct capture_image {
+	struct capture_view view;
+	uint8_t *rgba; /* sRGB albedo x tint x ambient occlusion; alpha: share of glass */
+	struct capture_pixel *pixels;
+};
+void capture_image_finish(struct capture_image *image);
+
+struct capturer;
+/* Loads the package's geometry and textures. Returns 0, or -errno after logging one line. */
+int capturer_open(struct capturer **out, const struct pkg *pkg);
+void capturer_close(struct capturer *capturer);
+
+/* What is to be drawn by following calls. `set` is not needed afterwards. */
+void capturer_use(struct capturer *capturer, const struct triangle_set *set);
+/* Draws what is in use. `color` false leaves out->rgba NULL. Reuses what `out` has when the size fits. */
+int capturer_draw(struct capturer *capturer, const struct capture_view *view, bool color, struct capture_image *out);
+
+#endif
