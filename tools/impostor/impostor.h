@@ -34,7 +34,16 @@ struct impostor_capture {
 /*
  * Triangles of one capture, in its own pixels, before they get their texels. Vertices of different patches are never
  * shared by index, but their positions agree along borders that are no jumps.
+ *
+ * Contours against what lies behind are loose: a patch covers all of its pixels and, to save triangles, some that are
+ * not its own; and it reaches some pixels below what hides it, so that parallax shows its continuation and no hole.
+ * Hence `texels`: what the patch has at each pixel of its rectangle.
  */
+enum mesh_texel {
+	MESH_CUT,  /* nothing: what is seen there lies behind the patch, or is sky */
+	MESH_SHOW, /* what the capture shows there */
+	MESH_FILL, /* hidden in the capture: the colour of the nearest pixel that is shown */
+};
 struct mesh_vertex {
 	float x, y;      /* px, y down */
 	float disparity; /* 1 / z in the capture's view */
@@ -47,13 +56,15 @@ struct mesh_patch {
 	uint8_t view;                        /* capture */
 	uint16_t min_x, min_y, max_x, max_y; /* pixels, both included: what its triangles cover */
 	float disparity_max;
+	uint32_t first_texel; /* of (max_x - min_x + 1) * (max_y - min_y + 1), row by row */
 };
 struct impostor_mesh {
 	ARRAY(struct mesh_vertex) vertices;
 	ARRAY(uint32_t) indices;
 	ARRAY(struct mesh_patch) patches;
-	double error_px;   /* largest displacement over the view cell, contours included */
-	double over_share; /* of wanted pixels, displaced by more than tau somewhere in the view cell */
+	ARRAY(uint8_t) texels; /* enum mesh_texel */
+	double error_px;       /* largest displacement over the view cell, contours included */
+	double over_share;     /* of wanted pixels, displaced by more than tau somewhere in the view cell */
 };
 void impostor_mesh_finish(struct impostor_mesh *mesh);
 
