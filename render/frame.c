@@ -68,7 +68,7 @@ static int make_objects(struct renderer *renderer, struct arena *arena)
 	int err = gfx_init(&renderer->gfx, arena, config->gfx, &gfx_config);
 	if (err)
 		return err;
-	struct gfx_target_desc target = { config->width, config->height, config->samples };
+	struct gfx_target_desc target = { .width = config->width, .height = config->height, .samples = config->samples };
 	struct gfx_buffer_desc block = {
 		.kind = GFX_BUFFER_UNIFORM, .usage = GFX_STREAM, .bytes = sizeof(struct frame_block)
 	};

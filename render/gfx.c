@@ -40,7 +40,7 @@ uint64_t gfx_target_bytes(const struct gfx_target_desc *desc)
 	uint64_t px = (uint64_t)desc->width * desc->height;
 	uint64_t samples = desc->samples > 1 ? desc->samples : 1;
 	uint64_t resolved = px * 4, color = desc->samples > 1 ? px * 4 * samples : 0, depth = px * 4 * samples;
-	return resolved + color + depth;
+	return resolved + color + depth + px * gfx_ids_words(desc->ids) * 4;
 }
 
 static int pool_init(struct gfx_pool *pool, struct arena *arena, uint32_t capacity)
@@ -242,9 +242,10 @@ int gfx_target_create(struct gfx *gfx, const struct gfx_target_desc *desc, gfx_t
 	struct gfx_target_desc granted = *desc;
 	if (granted.samples > gfx->caps.max_samples)
 		granted.samples = gfx->caps.max_samples;
-	if (granted.samples < 2)
+	if (granted.samples < 2 || granted.ids)
 		granted.samples = 1;
-	gfx->targets[slot] = (struct gfx_target_slot){ .desc = granted, .texture = texture };
+	gfx->targets[slot] =
+		(struct gfx_target_slot){ .desc = granted, .width = desc->width, .height = desc->height, .texture = texture };
 	gfx->textures[texture_slot] = (struct gfx_texture_slot){
 		.desc = { .format = GFX_RGBA8,
 			.width = desc->width,
@@ -371,6 +372,14 @@ uint32_t gfx_target_samples(const struct gfx *gfx, gfx_target target)
 	return gfx_target_at(gfx, target)->desc.samples;
 }
 
+void gfx_target_part(struct gfx *gfx, gfx_target target, uint32_t width, uint32_t height)
+{
+	struct gfx_target_slot *slot = gfx_target_at(gfx, target);
+	assert(!gfx->pass.id && width && height && width <= slot->desc.width && height <= slot->desc.height);
+	slot->width = width;
+	slot->height = height;
+}
+
 void gfx_frame_begin(struct gfx *gfx)
 {
 	gfx->stats.frames++;
@@ -420,4 +429,11 @@ void gfx_read_rgba8(struct gfx *gfx, gfx_target target, void *out)
 {
 	assert(!gfx->pass.id);
 	gfx->ops->read_rgba8(gfx, gfx_target_at(gfx, target), out);
+}
+
+void gfx_read_ids(struct gfx *gfx, gfx_target target, uint32_t *out)
+{
+	struct gfx_target_slot *slot = gfx_target_at(gfx, target);
+	assert(!gfx->pass.id && slot->desc.ids != GFX_IDS_NONE);
+	gfx->ops->read_ids(gfx, slot, out);
 }

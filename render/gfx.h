@@ -83,10 +83,19 @@ struct gfx_region {
 	uint32_t width, height, layers; /* layers: 1 for plain textures */
 };
 
+/* A second, whole-numbered output of a target, `layout(location = 1) out`: every shader drawn into it must write it.
+ * Not blended; cleared to 0 together with the colour. */
+enum gfx_ids {
+	GFX_IDS_NONE,
+	GFX_IDS_R32UI,    /* highp uint */
+	GFX_IDS_RGBA32UI, /* highp uvec4 */
+};
+
 /* Something to draw into: RGBA8 colour and 24-bit depth. The resolved colour can be read back and sampled. */
 struct gfx_target_desc {
 	uint32_t width, height;
 	uint32_t samples; /* 0 or 1: none; more is clamped to what the GPU has, see gfx_target_samples() */
+	enum gfx_ids ids; /* can be read back; there are no samples then */
 };
 
 /* How shaders are named and bound. Files are those of assets/shaders, without path. Every program may declare
@@ -221,6 +230,9 @@ void gfx_texture_write(struct gfx *gfx, gfx_texture texture, const struct gfx_re
 /* The resolved colour of a target as a texture; owned by the target. */
 gfx_texture gfx_target_texture(const struct gfx *gfx, gfx_target target);
 uint32_t gfx_target_samples(const struct gfx *gfx, gfx_target target);
+/* From here on the target's lower left part is used as if it were the whole; at most what it was made with. Its size
+ * on the GPU stays. Outside passes. */
+void gfx_target_part(struct gfx *gfx, gfx_target target, uint32_t width, uint32_t height);
 
 void gfx_frame_begin(struct gfx *gfx);
 
@@ -239,6 +251,8 @@ void gfx_pass_end(struct gfx *gfx);
 void gfx_present(struct gfx *gfx, gfx_target target, uint32_t width, uint32_t height);
 /* Resolved colour, RGBA8, first row is the top of the picture: width * height * 4 bytes. Outside passes; waits. */
 void gfx_read_rgba8(struct gfx *gfx, gfx_target target, void *out);
+/* The same of a target's ids: width * height uint32_t, or four times as many. */
+void gfx_read_ids(struct gfx *gfx, gfx_target target, uint32_t *out);
 
 /* Bytes of a region of texels in a format. */
 uint64_t gfx_format_bytes(enum gfx_format format, uint32_t width, uint32_t height, uint32_t layers);

@@ -18,8 +18,10 @@ struct gfx_texture_slot {
 };
 struct gfx_target_slot {
 	struct gfx_target_desc desc; /* samples as granted */
+	uint32_t width, height;      /* of the part in use */
 	uint32_t framebuffer, resolve_framebuffer;
 	uint32_t color, depth; /* renderbuffers; color is 0 without multisampling */
+	uint32_t ids;          /* renderbuffer, or 0 */
 	gfx_texture texture;
 };
 struct gfx_program_slot {
@@ -80,7 +82,14 @@ struct gfx_ops {
 	void (*pass_end)(struct gfx *gfx, struct gfx_target_slot *slot);
 	void (*present)(struct gfx *gfx, struct gfx_target_slot *slot, uint32_t width, uint32_t height);
 	void (*read_rgba8)(struct gfx *gfx, struct gfx_target_slot *slot, void *out);
+	void (*read_ids)(struct gfx *gfx, struct gfx_target_slot *slot, uint32_t *out);
 };
+
+/* uint32_t per pixel. */
+static inline uint32_t gfx_ids_words(enum gfx_ids ids)
+{
+	return ids == GFX_IDS_RGBA32UI ? 4 : ids == GFX_IDS_R32UI ? 1 : 0;
+}
 
 /* Slots of living handles; a stale or zero handle asserts. */
 struct gfx_buffer_slot *gfx_buffer_at(const struct gfx *gfx, gfx_buffer buffer);

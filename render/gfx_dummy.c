@@ -150,7 +150,13 @@ static void dummy_present(struct gfx *gfx, struct gfx_target_slot *slot, uint32_
 static void dummy_read_rgba8(struct gfx *gfx, struct gfx_target_slot *slot, void *out)
 {
 	(void)gfx;
-	memset(out, 0, (size_t)slot->desc.width * slot->desc.height * 4);
+	memset(out, 0, (size_t)slot->width * slot->height * 4);
+}
+
+static void dummy_read_ids(struct gfx *gfx, struct gfx_target_slot *slot, uint32_t *out)
+{
+	(void)gfx;
+	memset(out, 0, (size_t)slot->width * slot->height * gfx_ids_words(slot->desc.ids) * sizeof(*out));
 }
 
 const struct gfx_ops gfx_dummy = {
@@ -175,4 +181,5 @@ const struct gfx_ops gfx_dummy = {
 	.pass_end = dummy_pass_end,
 	.present = dummy_present,
 	.read_rgba8 = dummy_read_rgba8,
+	.read_ids = dummy_read_ids,
 };

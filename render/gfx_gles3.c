@@ -269,7 +269,17 @@ static void gles3_target_destroy(struct gfx *gfx, struct gfx_target_slot *slot)
 	glDeleteRenderbuffers(1, &slot->depth);
 	if (slot->color)
 		glDeleteRenderbuffers(1, &slot->color);
+	if (slot->ids)
+		glDeleteRenderbuffers(1, &slot->ids);
 	gl->draw_framebuffer = 0;
+}
+
+static void attach_ids(struct gfx_target_slot *slot)
+{
+	static const GLenum both[] = { GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1 };
+	slot->ids = make_renderbuffer(slot->desc.ids == GFX_IDS_R32UI ? GL_R32UI : GL_RGBA32UI, &slot->desc);
+	glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT1, GL_RENDERBUFFER, slot->ids);
+	glDrawBuffers(2, both);
 }
 
 static void attach(struct gfx_target_slot *slot, GLuint texture)
@@ -288,6 +298,8 @@ static void attach(struct gfx_target_slot *slot, GLuint texture)
 		glBindFramebuffer(GL_FRAMEBUFFER, slot->framebuffer);
 		glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, slot->color);
 	}
+	if (slot->desc.ids)
+		attach_ids(slot);
 	glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, slot->depth);
 }
 
@@ -431,14 +443,37 @@ static void gles3_depth_range(struct gfx *gfx, float near_depth, float far_depth
 	glDepthRangef(near_depth, far_depth);
 }
 
+static void clear_target(const struct gfx_target_slot *slot, const struct gfx_clear *clear)
+{
+	static const GLuint none[4];
+	GLbitfield depth = clear->depth ? GL_DEPTH_BUFFER_BIT : 0u;
+	if (!slot->ids) {
+		glClearColor(clear->rgba[0], clear->rgba[1], clear->rgba[2], clear->rgba[3]);
+		glClear((clear->color ? GL_COLOR_BUFFER_BIT : 0u) | depth);
+		return;
+	}
+	/* one value for buffers of two kinds is undefined */
+	glClear(depth);
+	if (clear->color) {
+		glClearBufferfv(GL_COLOR, 0, clear->rgba);
+		glClearBufferuiv(GL_COLOR, 1, none);
+	}
+}
+
 static void gles3_pass_begin(struct gfx *gfx, struct gfx_target_slot *slot, const struct gfx_clear *clear)
 {
 	bind_framebuffer(gfx->impl, slot->framebuffer);
-	glViewport(0, 0, (GLsizei)slot->desc.width, (GLsizei)slot->desc.height);
+	glViewport(0, 0, (GLsizei)slot->width, (GLsizei)slot->height);
 	glDepthRangef(0.0f, 1.0f);
 	set_depth(gfx->impl, GFX_DEPTH_TEST_WRITE);
-	glClearColor(clear->rgba[0], clear->rgba[1], clear->rgba[2], clear->rgba[3]);
-	glClear((clear->color ? GL_COLOR_BUFFER_BIT : 0u) | (clear->depth ? GL_DEPTH_BUFFER_BIT : 0u));
+	bool part = slot->width < slot->desc.width || slot->height < slot->desc.height;
+	if (part) { /* drawing keeps to the viewport, clearing does not */
+		glEnable(GL_SCISSOR_TEST);
+		glScissor(0, 0, (GLsizei)slot->width, (GLsizei)slot->height);
+	}
+	clear_target(slot, clear);
+	if (part)
+		glDisable(GL_SCISSOR_TEST);
 }
 
 static void set_blend(struct gles3 *gl, enum gfx_blend blend)
@@ -585,7 +620,7 @@ static void gles3_pass_end(struct gfx *gfx, struct gfx_target_slot *slot)
 	glInvalidateFramebuffer(GL_FRAMEBUFFER, 1, &depth);
 	if (slot->framebuffer == slot->resolve_framebuffer)
 		return;
-	GLint w = (GLint)slot->desc.width, h = (GLint)slot->desc.height;
+	GLint w = (GLint)slot->width, h = (GLint)slot->height;
 	glBindFramebuffer(GL_READ_FRAMEBUFFER, slot->framebuffer);
 	glBindFramebuffer(GL_DRAW_FRAMEBUFFER, slot->resolve_framebuffer);
 	glBlitFramebuffer(0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
@@ -597,8 +632,8 @@ static void gles3_present(struct gfx *gfx, struct gfx_target_slot *slot, uint32_
 	(void)gfx;
 	glBindFramebuffer(GL_READ_FRAMEBUFFER, slot->resolve_framebuffer);
 	glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-	bool same = width == slot->desc.width && height == slot->desc.height;
-	glBlitFramebuffer(0, 0, (GLint)slot->desc.width, (GLint)slot->desc.height, 0, 0, (GLint)width, (GLint)height,
+	bool same = width == slot->width && height == slot->height;
+	glBlitFramebuffer(0, 0, (GLint)slot->width, (GLint)slot->height, 0, 0, (GLint)width, (GLint)height,
 		GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
 }
 
@@ -621,8 +656,40 @@ static void gles3_read_rgba8(struct gfx *gfx, struct gfx_target_slot *slot, void
 {
 	(void)gfx;
 	glBindFramebuffer(GL_READ_FRAMEBUFFER, slot->resolve_framebuffer);
-	glReadPixels(0, 0, (GLsizei)slot->desc.width, (GLsizei)slot->desc.height, GL_RGBA, GL_UNSIGNED_BYTE, out);
-	flip_rows(out, (size_t)slot->desc.width * 4, slot->desc.height);
+	glReadPixels(0, 0, (GLsizei)slot->width, (GLsizei)slot->height, GL_RGBA, GL_UNSIGNED_BYTE, out);
+	flip_rows(out, (size_t)slot->width * 4, slot->height);
+}
+
+/* Four numbers a pixel is what every GPU can read; here one of them is wanted. */
+static void read_first_of_four(const struct gfx_target_slot *slot, uint32_t *out)
+{
+	GLuint piece[256][4];
+	for (uint32_t y = 0; y < slot->height; y++) {
+		for (uint32_t x = 0; x < slot->width; x += 256) {
+			uint32_t n = slot->width - x < 256 ? slot->width - x : 256;
+			glReadPixels((GLint)x, (GLint)y, (GLsizei)n, 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, piece);
+			for (uint32_t i = 0; i < n; i++)
+				out[(size_t)y * slot->width + x + i] = piece[i][0];
+		}
+	}
+}
+
+static void gles3_read_ids(struct gfx *gfx, struct gfx_target_slot *slot, uint32_t *out)
+{
+	(void)gfx;
+	glBindFramebuffer(GL_READ_FRAMEBUFFER, slot->framebuffer);
+	glReadBuffer(GL_COLOR_ATTACHMENT1);
+	uint32_t words = gfx_ids_words(slot->desc.ids);
+	GLsizei width = (GLsizei)slot->width, height = (GLsizei)slot->height;
+	if (words == 4)
+		glReadPixels(0, 0, width, height, GL_RGBA_INTEGER, GL_UNSIGNED_INT, out);
+	else if (get_u32(GL_IMPLEMENTATION_COLOR_READ_FORMAT) == GL_RED_INTEGER &&
+			 get_u32(GL_IMPLEMENTATION_COLOR_READ_TYPE) == GL_UNSIGNED_INT)
+		glReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, out);
+	else
+		read_first_of_four(slot, out);
+	glReadBuffer(GL_COLOR_ATTACHMENT0);
+	flip_rows((uint8_t *)out, (size_t)slot->width * words * 4, slot->height);
 }
 
 const struct gfx_ops gfx_gles3 = {
@@ -647,4 +714,5 @@ const struct gfx_ops gfx_gles3 = {
 	.pass_end = gles3_pass_end,
 	.present = gles3_present,
 	.read_rgba8 = gles3_read_rgba8,
+	.read_ids = gles3_read_ids,
 };

@@ -5,7 +5,7 @@
 
 #include "platform/base/log.h"
 #include "render/camera.h"
-#include "render/frame_block.h"
+#include "render/surfaces.h"
 
 #define GAP_MIN_INDICES 192 /* 64 triangles: about what a draw costs, on a CPU as on a GPU */
 #define ROOM_TO_CUT 2048    /* draws left in the list, below which chunks are drawn whole */
@@ -81,87 +81,6 @@ static int make_pipelines(struct near_mesh *mesh)
 	return err;
 }
 
-static int make_materials(struct near_mesh *mesh)
-{
-	struct materials_block block = { 0 };
-	for (uint32_t i = 0; i < mesh->pkg->material_count && i < 256; i++) {
-		const struct pkg_material *material = &mesh->pkg->materials[i];
-		block.row[i][0] = material->kind;
-		block.row[i][1] = material->layer;
-		block.row[i][2] = material->gloss / 255.0f;
-	}
-	struct gfx_buffer_desc desc = { .kind = GFX_BUFFER_UNIFORM, .bytes = sizeof(block), .data = &block };
-	return gfx_buffer_create(mesh->gfx, &desc, &mesh->materials);
-}
-
-static const uint8_t white[4] = { 255, 255, 255, 0 };
-
-/* Stands in for what the package does not have. */
-static int make_plain_texture(struct gfx *gfx, enum gfx_format format, uint32_t layers, gfx_texture *out)
-{
-	struct gfx_texture_desc desc = {
-		.format = format, .width = 1, .height = 1, .layers = layers, .filter = GFX_NEAREST
-	};
-	int err = gfx_texture_create(gfx, &desc, out);
-	if (err)
-		return err;
-	const uint8_t lit[4] = { 255, 0 };
-	struct gfx_region region = { .width = 1, .height = 1, .layers = 1 };
-	gfx_texture_write(gfx, *out, &region, format == GFX_RG8 ? lit : white);
-	return 0;
-}
-
-static int make_textures(struct near_mesh *mesh)
-{
-	static const enum gfx_format formats[] = { [PKG_TEXTURE_RGBA8] = GFX_RGBA8,
-		[PKG_TEXTURE_ETC2_RGBA] = GFX_ETC2_RGBA8,
-		[PKG_TEXTURE_R8] = GFX_R8,
-		[PKG_TEXTURE_RG8] = GFX_RG8 };
-	const struct pkg_texture_array *array = mesh->pkg->textures;
-	if (!array)
-		return make_plain_texture(mesh->gfx, GFX_RGBA8, 1, &mesh->textures);
-	/* decoded to linear light by the shader: filtering costs less so */
-	struct gfx_texture_desc desc = { .format = formats[array->format],
-		.width = array->width,
-		.height = array->height,
-		.layers = array->layers,
-		.levels = array->levels,
-		.filter = GFX_ANISOTROPIC,
-		.wrap = GFX_REPEAT };
-	int err = gfx_texture_create(mesh->gfx, &desc, &mesh->textures);
-	if (err)
-		return err;
-	const uint8_t *texels = mesh->pkg->texture_bytes;
-	for (uint32_t level = 0; level < array->levels; level++) {
-		uint32_t w = array->width >> level, h = array->height >> level;
-		struct gfx_region region = { .level = level, .width = w ? w : 1, .height = h ? h : 1, .layers = array->layers };
-		gfx_texture_write(mesh->gfx, mesh->textures, &region, texels);
-		texels += gfx_format_bytes(desc.format, region.width, region.height, region.layers);
-	}
-	return 0;
-}
-
-static int make_light_map(struct near_mesh *mesh)
-{
-	const struct pkg_light_map *map = mesh->pkg->light_map;
-	uint32_t limit = gfx_caps(mesh->gfx)->max_texture_px;
-	if (map && (map->width > limit || map->height > limit)) {
-		log_warn("light map of %u x %u is larger than this GPU's %u: left out", map->width, map->height, limit);
-		map = NULL;
-	}
-	if (!map)
-		return make_plain_texture(mesh->gfx, GFX_RG8, 0, &mesh->light_map);
-	struct gfx_texture_desc desc = {
-		.format = GFX_RG8, .width = map->width, .height = map->height, .filter = GFX_LINEAR
-	};
-	int err = gfx_texture_create(mesh->gfx, &desc, &mesh->light_map);
-	if (err)
-		return err;
-	struct gfx_region region = { .width = map->width, .height = map->height, .layers = 1 };
-	gfx_texture_write(mesh->gfx, mesh->light_map, &region, mesh->pkg->light_map_bytes);
-	return 0;
-}
-
 /* Pools in proportion to what the city has of each; at least one chunk's worth. */
 static int make_pools(struct near_mesh *mesh, struct arena *arena, uint64_t left_bytes)
 {
@@ -214,11 +133,7 @@ int near_mesh_init(
 	*mesh = (struct near_mesh){ .gfx = gfx, .pkg = pkg };
 	int err = make_pipelines(mesh);
 	if (!err)
-		err = make_materials(mesh);
-	if (!err)
-		err = make_textures(mesh);
-	if (!err)
-		err = make_light_map(mesh);
+		err = surfaces_make(gfx, pkg, &mesh->materials, &mesh->textures, &mesh->light_map);
 	if (!err)
 		err = make_runs(mesh, arena);
 	if (err)

@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "render/surfaces.h"
+
 /* u_draw of city.vert. */
 struct city_constants {
 	float origin_mm[3], opacity;
@@ -16,19 +18,6 @@ static struct mat4 from_mm(const struct mat4 *from_m)
 	for (int i = 0; i < 12; i++)
 		out.m[i] *= 0.001f;
 	return out;
-}
-
-/* Light map coordinate of the eye, and coordinates per metre; without a map everything samples its one texel. */
-static void light_map_frame(const struct pkg *pkg, const struct view *view, float out[4])
-{
-	const struct pkg_light_map *map = pkg->light_map;
-	if (!map)
-		return;
-	double size_mm[2] = { (double)map->width * map->texel_mm, (double)map->height * map->texel_mm };
-	for (int axis = 0; axis < 2; axis++) {
-		out[axis] = (float)((double)(view->eye_mm[axis] - map->origin_mm[axis]) / size_mm[axis]);
-		out[axis + 2] = (float)(1000.0 / size_mm[axis]);
-	}
 }
 
 static void set_origin(struct city_constants *constants, const struct view *view, const struct pkg_chunk *chunk)
@@ -46,7 +35,7 @@ static void submit(struct gfx *gfx, const struct near_mesh *mesh, const struct v
 	gfx_buffer frame_block, struct range range)
 {
 	struct city_constants constants = { 0 };
-	light_map_frame(mesh->pkg, view, constants.light_map);
+	surfaces_light_map_frame(mesh->pkg, view->eye_mm, constants.light_map);
 	struct gfx_draw draw = {
 		.vertices = mesh->vertices,
 		.indices = mesh->indices,

@@ -55,9 +55,7 @@ vec3 rooms(bool shop, float seed, vec2 width)
 vec3 wall(vec4 texel, vec3 to_eye, bool shop, float seed, vec2 width)
 {
 	vec3 painted = decode_srgb(texel.rgb);
-	float grazing = 1.0 - max(dot(to_eye, v_normal_code.xyz), 0.0);
-	float fresnel = 0.16 + 0.5 * grazing * grazing * grazing;
-	vec3 glass = mix(painted * (v_color.w * 0.7), mirrored(to_eye), fresnel);
+	vec3 glass = mix(painted * (v_color.w * 0.7), mirrored(to_eye), mirroring(v_normal_code.xyz, to_eye));
 #ifdef LIT
 	glass += rooms(shop, seed, width);
 #endif

@@ -32,14 +32,6 @@ flat out mediump float v_gloss;
 
 const vec3 LAMP_LIGHT = vec3(0.56, 0.40, 0.22);
 
-vec3 octahedral(vec2 e)
-{
-	vec3 n = vec3(e, 1.0 - abs(e.x) - abs(e.y));
-	vec2 folded = (1.0 - abs(n.yx)) * (step(0.0, n.xy) * 2.0 - 1.0);
-	n.xy = n.z < 0.0 ? folded : n.xy;
-	return n * inversesqrt(dot(n, n));
-}
-
 void main()
 {
 	vec3 at_mm = a_position_mm + u_draw[0].xyz;

@@ -41,6 +41,22 @@ vec3 decode_srgb(vec3 c)
 	return c * (c * (c * 0.317443 + 0.668301) + 0.015990);
 }
 
+// Unit vector of struct pkg_mesh_vertex.normal_oct.
+vec3 octahedral(vec2 e)
+{
+	vec3 n = vec3(e, 1.0 - abs(e.x) - abs(e.y));
+	vec2 folded = (1.0 - abs(n.yx)) * (step(0.0, n.xy) * 2.0 - 1.0);
+	n.xy = n.z < 0.0 ? folded : n.xy;
+	return n * inversesqrt(dot(n, n));
+}
+
+// Share of light that the glass of a wall mirrors.
+float mirroring(vec3 normal, vec3 to_eye)
+{
+	float grazing = 1.0 - max(dot(to_eye, normal), 0.0);
+	return 0.16 + 0.5 * grazing * grazing * grazing;
+}
+
 #ifndef NO_FRAME_BLOCK
 // The clear sky in a direction (unit), without sun or stars.
 vec3 sky_in(vec3 direction)

@@ -180,7 +180,7 @@ static void bytes_are_the_sum_of_what_was_made(void **state)
 	uint64_t textures = (64 + 16 + 4 + 1) * 4 * 5 + (3 * 2 + 2 * 1) * 16;
 	assert_int_equal(gfx_stats(gfx)->bytes, 1300 + textures);
 	gfx_target target;
-	struct gfx_target_desc target_desc = { 100, 50, 16 }; /* the dummy has 4 samples */
+	struct gfx_target_desc target_desc = { .width = 100, .height = 50, .samples = 16 }; /* the dummy has 4 samples */
 	assert_int_equal(gfx_target_create(gfx, &target_desc, &target), 0);
 	assert_int_equal(gfx_target_samples(gfx, target), 4);
 	uint64_t target_bytes = 100 * 50 * (4 + 4 * 4 + 4 * 4);
@@ -201,6 +201,39 @@ static void bytes_are_the_sum_of_what_was_made(void **state)
 	assert_true(high_water >= 1300 + textures + target_bytes);
 	gfx_finish(gfx);
 	assert_int_equal(gfx_stats(gfx)->bytes, 0);
+	free(memory);
+}
+
+static void ids_are_counted_and_have_no_samples(void **state)
+{
+	(void)state;
+	static const struct {
+		enum gfx_ids ids;
+		uint32_t words;
+	} cases[] = { { GFX_IDS_R32UI, 1 }, { GFX_IDS_RGBA32UI, 4 } };
+	static uint32_t read[20 * 10 * 4];
+	uint8_t *memory = malloc(ARENA_BYTES);
+	struct arena arena;
+	arena_init(&arena, "gfx", memory, ARENA_BYTES);
+	struct gfx *gfx;
+	assert_int_equal(gfx_init(&gfx, &arena, &gfx_dummy, NULL), 0);
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		struct gfx_target_desc desc = { .width = 100, .height = 50, .samples = 4, .ids = cases[i].ids };
+		gfx_target target;
+		assert_int_equal(gfx_target_create(gfx, &desc, &target), 0);
+		assert_int_equal(gfx_target_samples(gfx, target), 1);
+		assert_int_equal(gfx_stats(gfx)->bytes, 100 * 50 * (4 + 4 + cases[i].words * 4));
+		/* of a part only the part is read */
+		gfx_target_part(gfx, target, 20, 10);
+		memset(read, 0xFF, sizeof(read));
+		gfx_read_ids(gfx, target, read);
+		assert_int_equal(read[20 * 10 * cases[i].words - 1], 0);
+		if (cases[i].words == 1)
+			assert_int_equal(read[20 * 10], UINT32_MAX);
+		gfx_target_destroy(gfx, target);
+		assert_int_equal(gfx_stats(gfx)->bytes, 0);
+	}
+	gfx_finish(gfx);
 	free(memory);
 }
 
@@ -246,6 +279,7 @@ int main(void)
 		cmocka_unit_test(a_budget_too_small_for_anything_is_refused),
 		cmocka_unit_test(an_empty_city_draws_sky),
 		cmocka_unit_test(bytes_are_the_sum_of_what_was_made),
+		cmocka_unit_test(ids_are_counted_and_have_no_samples),
 		cmocka_unit_test(draws_sort_by_slice_pass_and_depth),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

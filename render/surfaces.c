@@ -1,0 +1,109 @@
+/* Uploads of a package's materials, texture array and light map. */
+#include "render/surfaces.h"
+
+#include "platform/base/log.h"
+#include "render/frame_block.h"
+
+static int make_materials(struct gfx *gfx, const struct pkg *pkg, gfx_buffer *out)
+{
+	struct materials_block block = { 0 };
+	for (uint32_t i = 0; i < pkg->material_count && i < 256; i++) {
+		const struct pkg_material *material = &pkg->materials[i];
+		block.row[i][0] = material->kind;
+		block.row[i][1] = material->layer;
+		block.row[i][2] = material->gloss / 255.0f;
+	}
+	struct gfx_buffer_desc desc = { .kind = GFX_BUFFER_UNIFORM, .bytes = sizeof(block), .data = &block };
+	return gfx_buffer_create(gfx, &desc, out);
+}
+
+static const uint8_t white[4] = { 255, 255, 255, 0 };
+
+/* Stands in for what the package does not have. */
+static int make_plain_texture(struct gfx *gfx, enum gfx_format format, uint32_t layers, gfx_texture *out)
+{
+	struct gfx_texture_desc desc = {
+		.format = format, .width = 1, .height = 1, .layers = layers, .filter = GFX_NEAREST
+	};
+	int err = gfx_texture_create(gfx, &desc, out);
+	if (err)
+		return err;
+	const uint8_t lit[4] = { 255, 0 };
+	struct gfx_region region = { .width = 1, .height = 1, .layers = 1 };
+	gfx_texture_write(gfx, *out, &region, format == GFX_RG8 ? lit : white);
+	return 0;
+}
+
+static int make_textures(struct gfx *gfx, const struct pkg *pkg, gfx_texture *out)
+{
+	static const enum gfx_format formats[] = { [PKG_TEXTURE_RGBA8] = GFX_RGBA8,
+		[PKG_TEXTURE_ETC2_RGBA] = GFX_ETC2_RGBA8,
+		[PKG_TEXTURE_R8] = GFX_R8,
+		[PKG_TEXTURE_RG8] = GFX_RG8 };
+	const struct pkg_texture_array *array = pkg->textures;
+	if (!array)
+		return make_plain_texture(gfx, GFX_RGBA8, 1, out);
+	/* decoded to linear light by the shader: filtering costs less so */
+	struct gfx_texture_desc desc = { .format = formats[array->format],
+		.width = array->width,
+		.height = array->height,
+		.layers = array->layers,
+		.levels = array->levels,
+		.filter = GFX_ANISOTROPIC,
+		.wrap = GFX_REPEAT };
+	int err = gfx_texture_create(gfx, &desc, out);
+	if (err)
+		return err;
+	const uint8_t *texels = pkg->texture_bytes;
+	for (uint32_t level = 0; level < array->levels; level++) {
+		uint32_t w = array->width >> level, h = array->height >> level;
+		struct gfx_region region = { .level = level, .width = w ? w : 1, .height = h ? h : 1, .layers = array->layers };
+		gfx_texture_write(gfx, *out, &region, texels);
+		texels += gfx_format_bytes(desc.format, region.width, region.height, region.layers);
+	}
+	return 0;
+}
+
+static int make_light_map(struct gfx *gfx, const struct pkg *pkg, gfx_texture *out)
+{
+	const struct pkg_light_map *map = pkg->light_map;
+	uint32_t limit = gfx_caps(gfx)->max_texture_px;
+	if (map && (map->width > limit || map->height > limit)) {
+		log_warn("light map of %u x %u is larger than this GPU's %u: left out", map->width, map->height, limit);
+		map = NULL;
+	}
+	if (!map)
+		return make_plain_texture(gfx, GFX_RG8, 0, out);
+	struct gfx_texture_desc desc = {
+		.format = GFX_RG8, .width = map->width, .height = map->height, .filter = GFX_LINEAR
+	};
+	int err = gfx_texture_create(gfx, &desc, out);
+	if (err)
+		return err;
+	struct gfx_region region = { .width = map->width, .height = map->height, .layers = 1 };
+	gfx_texture_write(gfx, *out, &region, pkg->light_map_bytes);
+	return 0;
+}
+
+int surfaces_make(
+	struct gfx *gfx, const struct pkg *pkg, gfx_buffer *materials, gfx_texture *textures, gfx_texture *light_map)
+{
+	int err = make_materials(gfx, pkg, materials);
+	if (!err)
+		err = make_textures(gfx, pkg, textures);
+	if (!err)
+		err = make_light_map(gfx, pkg, light_map);
+	return err;
+}
+
+void surfaces_light_map_frame(const struct pkg *pkg, const int64_t eye_mm[3], float out[4])
+{
+	const struct pkg_light_map *map = pkg->light_map;
+	if (!map)
+		return;
+	double size_mm[2] = { (double)map->width * map->texel_mm, (double)map->height * map->texel_mm };
+	for (int axis = 0; axis < 2; axis++) {
+		out[axis] = (float)((double)(eye_mm[axis] - map->origin_mm[axis]) / size_mm[axis]);
+		out[axis + 2] = (float)(1000.0 / size_mm[axis]);
+	}
+}
