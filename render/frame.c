@@ -1,6 +1,7 @@
 /* One frame from front to back: camera, light, loading, scene, passes. Owns all that the renderer has. */
 #include "render/frame.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -9,6 +10,7 @@
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
 #include "render/frame_block.h"
+#include "render/frame_truth.h"
 #include "render/marker.h"
 #include "render/near_mesh.h"
 #include "render/overlay.h"
@@ -40,6 +42,7 @@ struct renderer {
 	struct sky sky;
 	struct marker marker;
 	struct overlay overlay;
+	struct frame_truth truth;
 	struct camera camera;
 	struct obstacles obstacles;
 	struct view view;
@@ -79,6 +82,8 @@ static int make_objects(struct renderer *renderer, struct arena *arena)
 		err = sky_init(&renderer->sky, renderer->gfx);
 	if (!err)
 		err = marker_init(&renderer->marker, renderer->gfx);
+	if (!err && config->truth)
+		err = frame_truth_init(&renderer->truth, renderer->gfx, config->width, config->height);
 	return err;
 }
 
@@ -300,7 +305,8 @@ static void draw_pass(struct renderer *renderer, const struct nav_view *nav)
 	gfx_pass_end(gfx);
 }
 
-static void draw_frame(struct renderer *renderer, const struct camera_pose *pose, const struct nav_view *nav,
+/* Everything up to the draw list. */
+static void prepare_frame(struct renderer *renderer, const struct camera_pose *pose, const struct nav_view *nav,
 	const struct renderer_time *time)
 {
 	struct camera_pose eye = *pose;
@@ -315,19 +321,32 @@ static void draw_frame(struct renderer *renderer, const struct camera_pose *pose
 		update_overlay(renderer, nav, time);
 	update_fading(renderer, nav, time->time_ns);
 	scene_build(&renderer->scene, &renderer->view);
-	draw_pass(renderer, nav);
 }
 
 void renderer_draw(struct renderer *renderer, const struct nav_view *nav, const struct renderer_time *time)
 {
 	camera_follow(&renderer->camera, nav, &renderer->obstacles);
-	draw_frame(renderer, &renderer->camera.pose, nav, time);
+	prepare_frame(renderer, &renderer->camera.pose, nav, time);
+	draw_pass(renderer, nav);
 }
 
 void renderer_draw_pose(struct renderer *renderer, const struct camera_pose *pose, const struct renderer_time *time)
 {
 	renderer->primed = false; /* a still: everything it wants, at once */
-	draw_frame(renderer, pose, NULL, time);
+	prepare_frame(renderer, pose, NULL, time);
+	draw_pass(renderer, NULL);
+}
+
+void renderer_draw_truth(
+	struct renderer *renderer, const struct camera_pose *pose, const struct renderer_time *time, uint32_t *out)
+{
+	assert(renderer->config.truth);
+	renderer->primed = false;
+	prepare_frame(renderer, pose, NULL, time);
+	frame_truth_begin(&renderer->truth);
+	frame_truth_draw_list(&renderer->truth, &renderer->mesh, &renderer->view, &renderer->scene.list);
+	frame_truth_end(&renderer->truth);
+	frame_truth_read(&renderer->truth, out);
 }
 
 struct camera *renderer_camera(struct renderer *renderer)

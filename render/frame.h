@@ -31,6 +31,7 @@ struct renderer_config {
 	struct overlay_config overlay_config;
 	double fov_deg; /* vertical; default 45 (driver's eye); 10 to 120 */
 	double far_m;   /* nothing is drawn beyond; default 6,000 */
+	bool truth;     /* for measuring: makes what renderer_draw_truth() needs */
 };
 
 struct renderer_stats {
@@ -66,6 +67,12 @@ void renderer_draw(struct renderer *renderer, const struct nav_view *nav, const 
 
 /* The same from an eye of the caller's choosing, without camera motion and overlay. */
 void renderer_draw_pose(struct renderer *renderer, const struct camera_pose *pose, const struct renderer_time *time);
+
+/* What renderer_draw_pose() shows, for measuring: per pixel, at its centre, the object + 1 and the place seen, metres
+ * from the eye (x, y, z) as float bits; all 0 where nothing is. Rows from the top, width * height * 4 words. Wants
+ * config.truth. The picture stays as it was. */
+void renderer_draw_truth(
+	struct renderer *renderer, const struct camera_pose *pose, const struct renderer_time *time, uint32_t *out);
 
 /* Turns of the knob. */
 struct camera *renderer_camera(struct renderer *renderer);
