@@ -27,8 +27,8 @@ int blob_reader_init(struct blob_reader **out, struct arena *arena);
 /* `out` has blob->raw_bytes. Returns 0, or -EBADMSG when the checksum, the stream or its length is wrong. */
 int blob_read(struct blob_reader *reader, const struct pkg *pkg, const struct pkg_blob *blob, void *out);
 
-/* Checked views into the raw bytes of a set, or of an impostor. Every index is in range afterwards. Returns 0 or
- * -EBADMSG. */
+/* Checked views into the raw bytes of a set, or of an impostor; `raw` is aligned to 4. Every index is in range
+ * afterwards. Returns 0 or -EBADMSG. */
 struct set_view {
 	const struct pkg_set_object *objects;
 	const uint8_t *masks; /* of the objects that are not whole, in order */
@@ -44,5 +44,10 @@ struct impostor_view {
 };
 int impostor_view_open(
 	struct impostor_view *impostor, const struct pkg_cell *cell, const void *raw, uint32_t raw_bytes);
+
+/* Reads and checks every set and impostor. Takes cells_verify_bytes() from the arena. Returns 0, -ENOMEM, or -EBADMSG
+ * with `fault` filled in. For `blvd verify`. */
+uint64_t cells_verify_bytes(const struct pkg *pkg);
+int cells_verify(const struct pkg *pkg, struct arena *arena, struct pkg_fault *fault);
 
 #endif

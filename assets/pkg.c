@@ -1,6 +1,7 @@
 /*
  * Opening a package: the header and table are checked first, then every section's checksum, then pkg_check.c walks the
- * values. GEOM is left alone until its chunks are used. Cost: one pass over all but the geometry, about 1 ms a MiB.
+ * values. GEOM and CELD are left alone until their chunks and blobs are used. Cost: one pass over all but these, about
+ * 1 ms a MiB.
  */
 #include "assets/pkg.h"
 
@@ -94,7 +95,7 @@ static int check_table(const struct pkg *pkg, struct pkg_fault *fault)
 		if (!section->element_bytes || section->bytes % section->element_bytes)
 			return pkg_fail(fault, at, "section %s is no whole number of elements", tag);
 		end = section->offset + section->bytes;
-		if (section->tag == PKG_GEOM)
+		if (section->tag == PKG_GEOM || section->tag == PKG_CELD)
 			continue;
 		if (pkg_crc32(0, pkg->map.bytes.data + section->offset, section->bytes) != section->crc32)
 			return pkg_fail(fault, section->offset, "section %s: checksum is wrong", tag);
@@ -138,7 +139,7 @@ struct wanted_array {
 static int find_arrays(struct pkg *pkg, struct pkg_fault *fault)
 {
 	struct pkg_graph *graph = &pkg->graph;
-	uint32_t meta_count = 0;
+	uint32_t meta_count = 0, index_count = 0, cell_count = 0;
 #define WANTED(tag, pointer, counter)                                                                                  \
 	{                                                                                                                  \
 		tag, sizeof(*(pointer)), (const void **)&(pointer), &(counter)                                                 \
@@ -158,6 +159,10 @@ static int find_arrays(struct pkg *pkg, struct pkg_fault *fault)
 		WANTED(PKG_OBJS, pkg->objects, pkg->object_count),
 		WANTED(PKG_TEXT, pkg->texts, pkg->text_count),
 		WANTED(PKG_GRUN, pkg->glyph_runs, pkg->glyph_run_count),
+		WANTED(PKG_STRC, pkg->stretches, pkg->stretch_count),
+		WANTED(PKG_CIDX, pkg->first_stretch, index_count),
+		WANTED(PKG_CELL, pkg->cells, cell_count),
+		WANTED(PKG_OCCL, pkg->occluders, pkg->occluder_count),
 	};
 #undef WANTED
 	for (size_t i = 0; i < sizeof(wanted) / sizeof(wanted[0]); i++) {
@@ -171,7 +176,7 @@ static int find_arrays(struct pkg *pkg, struct pkg_fault *fault)
 	}
 	if (meta_count != 1)
 		return pkg_fail(fault, 0, "section META is missing or has %u elements", meta_count);
-	return 0;
+	return pkg_check_far_counts(pkg, index_count, cell_count, fault);
 }
 
 static int find_blobs(struct pkg *pkg, struct pkg_fault *fault)
@@ -190,6 +195,10 @@ static int find_blobs(struct pkg *pkg, struct pkg_fault *fault)
 	if ((status = find_section(pkg, PKG_LMAP, 1, &at, &bytes, fault)) < 0 ||
 		(status = pkg_check_light_map(pkg, at, bytes, fault)) < 0)
 		return status;
+	if ((status = find_section(pkg, PKG_CELD, 1, (const void **)&pkg->blobs, &pkg->blobs_bytes, fault)) < 0)
+		return status;
+	if (!pkg->blobs != !pkg->stretches)
+		return pkg_fail(fault, 0, "of the sections STRC, CIDX, CELL and CELD only some are there");
 	if ((status = find_section(pkg, PKG_FONT, 1, &at, &bytes, fault)) < 0)
 		return status;
 	return pkg_check_font(pkg, at, bytes, fault);

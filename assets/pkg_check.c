@@ -105,27 +105,14 @@ int pkg_check_font(struct pkg *pkg, const void *at, uint64_t bytes, struct pkg_f
 	return 0;
 }
 
-/* "section X, element i: what" for a broken value. */
-#define CHECK(condition, element, section, index, what)                                                                \
-	do {                                                                                                               \
-		if (!(condition))                                                                                              \
-			return pkg_fail(                                                                                           \
-				fault, pkg_offset_of(pkg, (element)), "section %s, element %u: %s", section, (unsigned)(index), what); \
-	} while (0)
-
-static bool run_fits(uint64_t first, uint64_t count, uint64_t limit)
-{
-	return first <= limit && count <= limit - first;
-}
-
 static int check_meta(const struct pkg *pkg, struct pkg_fault *fault)
 {
 	const struct pkg_meta *meta = pkg->meta;
 	if (!pkg->strings_bytes || pkg->strings[0] || pkg->strings[pkg->strings_bytes - 1])
 		return pkg_fail(fault, 0, "section STRS: missing, or its ends are not NUL");
-	CHECK(meta->city_name < pkg->strings_bytes && meta->attribution < pkg->strings_bytes, meta, "META", 0,
+	PKG_CHECK(meta->city_name < pkg->strings_bytes && meta->attribution < pkg->strings_bytes, meta, "META", 0,
 		"string out of range");
-	CHECK(fabs(meta->origin_lat_deg) <= 90.0 && fabs(meta->origin_lon_deg) <= 180.0, meta, "META", 0,
+	PKG_CHECK(fabs(meta->origin_lat_deg) <= 90.0 && fabs(meta->origin_lon_deg) <= 180.0, meta, "META", 0,
 		"origin out of range");
 	return 0;
 }
@@ -135,10 +122,11 @@ static int check_nodes(const struct pkg *pkg, struct pkg_fault *fault)
 	const struct pkg_graph *graph = &pkg->graph;
 	for (uint32_t i = 0; i < graph->node_count; i++) {
 		const struct pkg_node *node = &graph->nodes[i];
-		CHECK(run_fits(node->first_out, node->out_count, graph->out_count), node, "NODE", i, "out-list out of range");
+		PKG_CHECK(
+			pkg_run_fits(node->first_out, node->out_count, graph->out_count), node, "NODE", i, "out-list out of range");
 		for (uint32_t k = 0; k < node->out_count; k++) {
 			uint32_t half = graph->outs[node->first_out + k];
-			CHECK(half < graph->half_count && graph->halves[half].origin == i, node, "NODE", i,
+			PKG_CHECK(half < graph->half_count && graph->halves[half].origin == i, node, "NODE", i,
 				"out-list names a foreign half-edge");
 		}
 	}
@@ -150,27 +138,28 @@ static int check_edges(const struct pkg *pkg, struct pkg_fault *fault)
 	const struct pkg_graph *graph = &pkg->graph;
 	for (uint32_t i = 0; i < graph->half_count; i++) {
 		const struct pkg_half *half = &graph->halves[i];
-		CHECK(half->origin < graph->node_count && half->next < graph->half_count && half->prev < graph->half_count &&
-				  half->face < graph->face_count,
+		PKG_CHECK(half->origin < graph->node_count && half->next < graph->half_count &&
+					  half->prev < graph->half_count && half->face < graph->face_count,
 			half, "HALF", i, "index out of range");
 	}
-	CHECK(graph->half_count == 2 * (uint64_t)graph->edge_count, pkg->meta, "HALF", graph->half_count,
+	PKG_CHECK(graph->half_count == 2 * (uint64_t)graph->edge_count, pkg->meta, "HALF", graph->half_count,
 		"not two half-edges an edge");
 	for (uint32_t i = 0; i < graph->edge_count; i++) {
 		const struct pkg_edge *edge = &graph->edges[i];
-		CHECK(edge->point_count >= 2 && run_fits(edge->first_point, edge->point_count, graph->point_count), edge,
-			"EDGE", i, "polyline out of range");
-		CHECK(
+		PKG_CHECK(edge->point_count >= 2 && pkg_run_fits(edge->first_point, edge->point_count, graph->point_count),
+			edge, "EDGE", i, "polyline out of range");
+		PKG_CHECK(
 			edge->name < pkg->strings_bytes && edge->ref < pkg->strings_bytes, edge, "EDGE", i, "string out of range");
-		CHECK(edge->street_class < PKG_STREET_CLASS_COUNT, edge, "EDGE", i, "unknown street class");
+		PKG_CHECK(edge->street_class < PKG_STREET_CLASS_COUNT, edge, "EDGE", i, "unknown street class");
 	}
 	for (uint32_t i = 0; i < graph->face_count; i++) {
 		const struct pkg_face *face = &graph->faces[i];
-		CHECK(face->first_half < graph->half_count && (face->parent == PKG_NONE || face->parent < graph->face_count),
+		PKG_CHECK(
+			face->first_half < graph->half_count && (face->parent == PKG_NONE || face->parent < graph->face_count),
 			face, "FACE", i, "index out of range");
 	}
 	for (uint32_t i = 0; i < graph->turn_count; i++)
-		CHECK(graph->turns[i].from_half < graph->half_count && graph->turns[i].to_half < graph->half_count,
+		PKG_CHECK(graph->turns[i].from_half < graph->half_count && graph->turns[i].to_half < graph->half_count,
 			&graph->turns[i], "TURN", i, "index out of range");
 	return 0;
 }
@@ -182,17 +171,17 @@ static int check_chunks(const struct pkg *pkg, struct pkg_fault *fault)
 		uint64_t indices = 0;
 		for (int pass = 0; pass < PKG_PASS_COUNT; pass++)
 			indices += chunk->index_count[pass];
-		CHECK(chunk->vertex_count <= 65536, chunk, "CHNK", i, "too many vertices");
-		CHECK(chunk->vertex_offset % 64 == 0 && chunk->index_offset % 64 == 0 &&
-				  run_fits(chunk->vertex_offset, chunk->vertex_count * sizeof(struct pkg_mesh_vertex),
-					  pkg->geometry_bytes) &&
-				  run_fits(chunk->index_offset, indices * sizeof(uint16_t), pkg->geometry_bytes) && indices % 3 == 0 &&
-				  indices < UINT32_MAX,
+		PKG_CHECK(chunk->vertex_count <= 65536, chunk, "CHNK", i, "too many vertices");
+		PKG_CHECK(chunk->vertex_offset % 64 == 0 && chunk->index_offset % 64 == 0 &&
+					  pkg_run_fits(chunk->vertex_offset, chunk->vertex_count * sizeof(struct pkg_mesh_vertex),
+						  pkg->geometry_bytes) &&
+					  pkg_run_fits(chunk->index_offset, indices * sizeof(uint16_t), pkg->geometry_bytes) &&
+					  indices % 3 == 0 && indices < UINT32_MAX,
 			chunk, "CHNK", i, "geometry out of range");
-		CHECK(run_fits(chunk->first_object, chunk->object_count, pkg->object_count), chunk, "CHNK", i,
+		PKG_CHECK(pkg_run_fits(chunk->first_object, chunk->object_count, pkg->object_count), chunk, "CHNK", i,
 			"objects out of range");
 		for (int axis = 0; axis < 3; axis++)
-			CHECK(chunk->min_mm[axis] <= chunk->max_mm[axis], chunk, "CHNK", i, "bounds are inside out");
+			PKG_CHECK(chunk->min_mm[axis] <= chunk->max_mm[axis], chunk, "CHNK", i, "bounds are inside out");
 	}
 	return 0;
 }
@@ -201,12 +190,12 @@ static int check_objects(const struct pkg *pkg, struct pkg_fault *fault)
 {
 	for (uint32_t i = 0; i < pkg->object_count; i++) {
 		const struct pkg_object *object = &pkg->objects[i];
-		CHECK(object->chunk < pkg->chunk_count && object->name < pkg->strings_bytes, object, "OBJS", i,
+		PKG_CHECK(object->chunk < pkg->chunk_count && object->name < pkg->strings_bytes, object, "OBJS", i,
 			"index out of range");
 		const struct pkg_chunk *chunk = &pkg->chunks[object->chunk];
 		uint64_t indices = (uint64_t)chunk->index_count[0] + chunk->index_count[1];
 		for (int pass = 0; pass < PKG_PASS_COUNT; pass++)
-			CHECK(run_fits(object->first_index[pass], object->index_count[pass], indices), object, "OBJS", i,
+			PKG_CHECK(pkg_run_fits(object->first_index[pass], object->index_count[pass], indices), object, "OBJS", i,
 				"indices out of range");
 	}
 	return 0;
@@ -217,17 +206,18 @@ static int check_text(const struct pkg *pkg, struct pkg_fault *fault)
 	uint32_t glyphs = pkg->font ? pkg->font->glyph_count : 0;
 	for (uint32_t i = 0; i < pkg->text_count; i++) {
 		const struct pkg_text *text = &pkg->texts[i];
-		CHECK(text->string < pkg->strings_bytes && run_fits(text->first_glyph, text->glyph_count, pkg->glyph_run_count),
+		PKG_CHECK(text->string < pkg->strings_bytes &&
+					  pkg_run_fits(text->first_glyph, text->glyph_count, pkg->glyph_run_count),
 			text, "TEXT", i, "index out of range");
-		CHECK(i == 0 || pkg->texts[i - 1].string < text->string, text, "TEXT", i, "not sorted");
+		PKG_CHECK(i == 0 || pkg->texts[i - 1].string < text->string, text, "TEXT", i, "not sorted");
 	}
 	for (uint32_t i = 0; i < pkg->glyph_run_count; i++)
-		CHECK(pkg->glyph_runs[i].glyph < glyphs, &pkg->glyph_runs[i], "GRUN", i, "unknown glyph");
+		PKG_CHECK(pkg->glyph_runs[i].glyph < glyphs, &pkg->glyph_runs[i], "GRUN", i, "unknown glyph");
 	uint32_t layers = pkg->textures ? pkg->textures->layers : 0;
 	for (uint32_t i = 0; i < pkg->material_count; i++)
-		CHECK(pkg->materials[i].kind < PKG_MATERIAL_KIND_COUNT && pkg->materials[i].layer < layers, &pkg->materials[i],
-			"MATL", i, "unknown kind or layer");
-	CHECK(pkg->material_count <= 256, pkg->meta, "MATL", pkg->material_count, "too many materials");
+		PKG_CHECK(pkg->materials[i].kind < PKG_MATERIAL_KIND_COUNT && pkg->materials[i].layer < layers,
+			&pkg->materials[i], "MATL", i, "unknown kind or layer");
+	PKG_CHECK(pkg->material_count <= 256, pkg->meta, "MATL", pkg->material_count, "too many materials");
 	return 0;
 }
 
@@ -236,7 +226,7 @@ int pkg_check_values(const struct pkg *pkg, struct pkg_fault *fault)
 	int status;
 	if ((status = check_meta(pkg, fault)) < 0 || (status = check_edges(pkg, fault)) < 0 ||
 		(status = check_nodes(pkg, fault)) < 0 || (status = check_chunks(pkg, fault)) < 0 ||
-		(status = check_objects(pkg, fault)) < 0)
+		(status = check_objects(pkg, fault)) < 0 || (status = pkg_check_far(pkg, fault)) < 0)
 		return status;
 	return check_text(pkg, fault);
 }
@@ -249,10 +239,10 @@ int pkg_chunk_check(const struct pkg *pkg, uint32_t index, struct pkg_fault *fau
 	uint32_t index_count = chunk->index_count[PKG_PASS_OPAQUE] + chunk->index_count[PKG_PASS_DECAL];
 	uint32_t crc = pkg_crc32(0, vertices, chunk->vertex_count * sizeof(*vertices));
 	crc = pkg_crc32(crc, indices, index_count * sizeof(*indices));
-	CHECK(crc == chunk->crc32, vertices, "GEOM", index, "chunk checksum is wrong");
+	PKG_CHECK(crc == chunk->crc32, vertices, "GEOM", index, "chunk checksum is wrong");
 	for (uint32_t i = 0; i < index_count; i++)
-		CHECK(indices[i] < chunk->vertex_count, &indices[i], "GEOM", index, "index out of range");
+		PKG_CHECK(indices[i] < chunk->vertex_count, &indices[i], "GEOM", index, "index out of range");
 	for (uint32_t i = 0; i < chunk->vertex_count; i++)
-		CHECK(vertices[i].material < pkg->material_count, &vertices[i], "GEOM", index, "unknown material");
+		PKG_CHECK(vertices[i].material < pkg->material_count, &vertices[i], "GEOM", index, "unknown material");
 	return 0;
 }

@@ -41,7 +41,7 @@ struct pkg_section {
 	uint32_t element_bytes; /* size of one element */
 	uint64_t offset;        /* from the start of the file; multiple of PKG_ALIGN */
 	uint64_t bytes;         /* multiple of element_bytes */
-	uint32_t crc32;         /* of the section's bytes; 0 for GEOM, whose chunks have their own */
+	uint32_t crc32;         /* of the section's bytes; 0 for GEOM and CELD, whose parts have their own */
 	uint32_t reserved;
 };
 static_assert(sizeof(struct pkg_section) == 32, "on-disk layout");
@@ -410,7 +410,10 @@ struct pkg_cell {
 };
 static_assert(sizeof(struct pkg_cell) == 96, "on-disk layout");
 
-#define PKG_CELD PKG_TAG('C', 'E', 'L', 'D') /* element_bytes 1; the blobs, each with its own checksum */
+/* element_bytes 1; the blobs, each with its own checksum: stretch by stretch the local set, the visible set, cell 2s's
+ * impostor and truth, cell 2s + 1's, as far as they are stored. No gaps but zeros up to the next multiple of
+ * PKG_BLOB_ALIGN. */
+#define PKG_CELD PKG_TAG('C', 'E', 'L', 'D')
 
 /* A set of triangles: the head, object_count struct pkg_set_object sorted by object, then the masks, one after
  * another, of those objects that are not kept whole: one bit a triangle, lowest bit first, whole bytes; opaque

@@ -4,7 +4,7 @@
 
 #include "assets/pkg_check.h"
 
-static int verify_padding(const struct pkg *pkg, uint64_t from, uint64_t to, struct pkg_fault *fault)
+int pkg_verify_padding(const struct pkg *pkg, uint64_t from, uint64_t to, struct pkg_fault *fault)
 {
 	for (uint64_t at = from; at < to; at++)
 		if (pkg->map.bytes.data[at])
@@ -18,7 +18,7 @@ static int verify_layout(const struct pkg *pkg, struct pkg_fault *fault)
 	uint32_t count = pkg_sections(pkg, &sections);
 	uint64_t end = sizeof(struct pkg_header) + (uint64_t)count * sizeof(*sections);
 	for (uint32_t i = 0; i < count; i++) {
-		int status = verify_padding(pkg, end, sections[i].offset, fault);
+		int status = pkg_verify_padding(pkg, end, sections[i].offset, fault);
 		if (status < 0)
 			return status;
 		end = sections[i].offset + sections[i].bytes;
@@ -26,7 +26,7 @@ static int verify_layout(const struct pkg *pkg, struct pkg_fault *fault)
 			if (sections[k].tag == sections[i].tag)
 				return pkg_fail(fault, sizeof(struct pkg_header) + i * sizeof(*sections), "a section stands twice");
 	}
-	return verify_padding(pkg, end, pkg->map.bytes.size, fault);
+	return pkg_verify_padding(pkg, end, pkg->map.bytes.size, fault);
 }
 
 /* GEOM has no checksum of its own: what no chunk covers must be zero. Chunks lie in order. */
@@ -40,13 +40,13 @@ static int verify_geometry(const struct pkg *pkg, struct pkg_fault *fault)
 		if (chunk->vertex_offset < end || chunk->index_offset < vertex_end)
 			return pkg_fail(fault, pkg_offset_of(pkg, chunk), "section CHNK, element %u: geometry overlaps", i);
 		int status;
-		if ((status = verify_padding(pkg, base + end, base + chunk->vertex_offset, fault)) < 0 ||
-			(status = verify_padding(pkg, base + vertex_end, base + chunk->index_offset, fault)) < 0 ||
+		if ((status = pkg_verify_padding(pkg, base + end, base + chunk->vertex_offset, fault)) < 0 ||
+			(status = pkg_verify_padding(pkg, base + vertex_end, base + chunk->index_offset, fault)) < 0 ||
 			(status = pkg_chunk_check(pkg, i, fault)) < 0)
 			return status;
 		end = chunk->index_offset + indices * sizeof(uint16_t);
 	}
-	return verify_padding(pkg, base + end, base + pkg->geometry_bytes, fault);
+	return pkg_verify_padding(pkg, base + end, base + pkg->geometry_bytes, fault);
 }
 
 static int verify_faces(const struct pkg *pkg, struct pkg_fault *fault)
@@ -98,7 +98,7 @@ int pkg_verify(const struct pkg *pkg, struct pkg_fault *fault)
 {
 	int status;
 	if ((status = verify_layout(pkg, fault)) < 0 || (status = verify_geometry(pkg, fault)) < 0 ||
-		(status = verify_faces(pkg, fault)) < 0)
+		(status = verify_faces(pkg, fault)) < 0 || (status = pkg_verify_far(pkg, fault)) < 0)
 		return status;
 	return verify_turns(pkg, fault);
 }

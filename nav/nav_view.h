@@ -12,6 +12,7 @@
 
 #define NAV_ROUTE_AHEAD_MAX 192 /* half-edges of the route handed to the renderer */
 #define NAV_TEXT_MAX 64
+#define NAV_LIKELY_MAX 16
 
 enum nav_manoeuvre {
 	NAV_MANOEUVRE_NONE,
@@ -98,6 +99,11 @@ struct nav_view {
 	double remaining_s;
 	struct nav_step next, after_next;
 	uint32_t reroutes;
+
+	/* stretches of the package's far field that the car is on or may soon be on, the most urgent first (likely.h); none
+	 * without a position or a far field */
+	uint32_t likely_count;
+	uint32_t likely[NAV_LIKELY_MAX];
 
 	/* inputs */
 	enum nav_gear gear;
