@@ -221,12 +221,24 @@ static int check_text(const struct pkg *pkg, struct pkg_fault *fault)
 	return 0;
 }
 
+/* Any wall hides something; but whose it is says what a place lies inside of. */
+static int check_occluders(const struct pkg *pkg, struct pkg_fault *fault)
+{
+	for (uint32_t i = 0; i < pkg->occluder_count; i++) {
+		uint32_t solid = pkg->occluders[i].solid, before = i ? pkg->occluders[i - 1].solid : 0;
+		PKG_CHECK(
+			solid == before || (i && solid == before + 1), &pkg->occluders[i], "OCCL", i, "walls are not in order");
+	}
+	return 0;
+}
+
 int pkg_check_values(const struct pkg *pkg, struct pkg_fault *fault)
 {
 	int status;
 	if ((status = check_meta(pkg, fault)) < 0 || (status = check_edges(pkg, fault)) < 0 ||
 		(status = check_nodes(pkg, fault)) < 0 || (status = check_chunks(pkg, fault)) < 0 ||
-		(status = check_objects(pkg, fault)) < 0 || (status = pkg_check_far(pkg, fault)) < 0)
+		(status = check_objects(pkg, fault)) < 0 || (status = check_occluders(pkg, fault)) < 0 ||
+		(status = pkg_check_far(pkg, fault)) < 0)
 		return status;
 	return check_text(pkg, fault);
 }

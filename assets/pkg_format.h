@@ -474,7 +474,7 @@ static_assert(sizeof(struct pkg_truth_texel) == 16, "on-disk layout");
 struct pkg_occluder {
 	int32_t from_mm[2], to_mm[2]; /* the solid is to the left */
 	int32_t top_mm;               /* everything below, down to the ground, is solid */
-	uint32_t solid;               /* walls of one closed contour share it */
+	uint32_t solid;               /* walls of one outline and its holes share it and follow one another; 0, 1, 2 ... */
 };
 static_assert(sizeof(struct pkg_occluder) == 24, "on-disk layout");
 

@@ -68,6 +68,14 @@ void trees_build(const struct city *city, const struct pkg_graph *graph, struct 
 /* tools/bake/facade_*.c, roof_*.c: buildings. Sets AO per vertex. */
 void buildings_build(const struct city *city, const struct pkg_graph *graph, struct mesh_sink *sink);
 
+/* tools/bake/occluders.c: what hides what is behind it (PKG_OCCL). */
+struct occluders {
+	ARRAY(struct pkg_occluder) walls;
+	uint32_t solid_count;
+};
+void occluders_build(const struct city *city, struct occluders *out);
+void occluders_finish(struct occluders *occluders);
+
 /* tools/bake/font.c: glyph atlas and shaped strings. `strings` are unique; text.string is the index into `strings`
  * until written. */
 struct text_data {
@@ -93,6 +101,7 @@ struct pkg_content {
 	const struct materials *materials;
 	const struct light_map *light_map;
 	const struct text_data *text;
+	const struct occluders *occluders;
 	uint64_t source_hash;
 };
 int pkg_write(const char *path, const struct pkg_content *content);

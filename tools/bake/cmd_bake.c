@@ -138,6 +138,7 @@ struct bake {
 	struct materials materials;
 	struct mesh_chunks mesh;
 	struct text_data text;
+	struct occluders occluders;
 	bool show_progress;
 };
 
@@ -265,6 +266,7 @@ static int write_package(struct bake *bake)
 		.materials = &bake->materials,
 		.light_map = &bake->light_map,
 		.text = &bake->text,
+		.occluders = &bake->occluders,
 		.source_hash = hash_options(bake->options),
 	};
 	int status = pkg_write(bake->options->output, &content);
@@ -302,6 +304,9 @@ static int run_steps(struct bake *bake)
 	started = step_begin(bake, "light");
 	light_map_bake(&bake->city, &bake->lamps, &bake->light_map);
 	step_end(bake, STEP_LIGHT, started);
+	started = step_begin(bake, "occluders");
+	occluders_build(&bake->city, &bake->occluders);
+	step_end(bake, STEP_OCCLUDERS, started);
 	started = step_begin(bake, "text");
 	if (bake_text(bake) < 0)
 		return EXIT_BAD_INPUT;
@@ -325,6 +330,7 @@ static void finish(struct bake *bake)
 	light_map_finish(&bake->light_map);
 	materials_finish(&bake->materials);
 	text_data_finish(&bake->text);
+	occluders_finish(&bake->occluders);
 	graph_data_finish(&bake->graph);
 	city_finish(&bake->city);
 }

@@ -155,6 +155,9 @@ static void gather(struct writer *writer, const struct pkg_content *content)
 	}
 	if (content->mesh)
 		add_mesh(writer, content->mesh);
+	if (content->occluders)
+		add_section(writer, PKG_OCCL, sizeof(struct pkg_occluder), content->occluders->walls.items,
+			content->occluders->walls.count);
 	strings_intern(&writer->strings, "");
 	add_section(writer, PKG_STRS, 1, writer->strings.bytes.items, writer->strings.bytes.count);
 }

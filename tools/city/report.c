@@ -42,7 +42,7 @@ static const char *const height_names[HEIGHT_SOURCE_COUNT] = { "tagged", "levels
 static const char *const count_names[COUNT_KINDS] = { "buildings", "parts", "ways", "drivable_ways", "trees", "areas",
 	"nodes", "edges", "faces", "triangles", "chunks", "restrictions" };
 static const char *const step_names[STEP_KINDS] = { "read", "heights", "graph", "ground", "buildings", "trees",
-	"textures", "light", "text", "write" };
+	"textures", "light", "occluders", "text", "write" };
 
 void report_fault(struct report *report, enum fault_kind kind, enum fault_outcome outcome, int64_t id)
 {
