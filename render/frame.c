@@ -325,8 +325,19 @@ static void prepare_frame(struct renderer *renderer, const struct camera_pose *p
 
 void renderer_draw(struct renderer *renderer, const struct nav_view *nav, const struct renderer_time *time)
 {
+	renderer_draw_from(renderer, nav, renderer_follow(renderer, nav), time);
+}
+
+const struct camera_pose *renderer_follow(struct renderer *renderer, const struct nav_view *nav)
+{
 	camera_follow(&renderer->camera, nav, &renderer->obstacles);
-	prepare_frame(renderer, &renderer->camera.pose, nav, time);
+	return &renderer->camera.pose;
+}
+
+void renderer_draw_from(struct renderer *renderer, const struct nav_view *nav, const struct camera_pose *pose,
+	const struct renderer_time *time)
+{
+	prepare_frame(renderer, pose, nav, time);
 	draw_pass(renderer, nav);
 }
 

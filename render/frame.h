@@ -65,7 +65,13 @@ struct renderer_time {
 };
 void renderer_draw(struct renderer *renderer, const struct nav_view *nav, const struct renderer_time *time);
 
-/* The same from an eye of the caller's choosing, without camera motion and overlay. */
+/* The same in two steps, so that several renderers can be compared on one renderer's poses: the camera's motion to
+ * nav->time_ns, whose pose stays valid until the next call; and the drawing from any pose. */
+const struct camera_pose *renderer_follow(struct renderer *renderer, const struct nav_view *nav);
+void renderer_draw_from(struct renderer *renderer, const struct nav_view *nav, const struct camera_pose *pose,
+	const struct renderer_time *time);
+
+/* A still from an eye of the caller's choosing, without camera motion and overlay. */
 void renderer_draw_pose(struct renderer *renderer, const struct camera_pose *pose, const struct renderer_time *time);
 
 /* What renderer_draw_pose() shows, for measuring: per pixel, at its centre, the object + 1 and the place seen, metres

@@ -33,6 +33,11 @@ void display_close(struct display *display)
 	*display = (struct display){ 0 };
 }
 
+int display_use(struct display *display)
+{
+	return display->ops->use(display);
+}
+
 int display_present(struct display *display)
 {
 	return display->ops->present(display);

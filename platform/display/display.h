@@ -1,6 +1,7 @@
 /*
  * Somewhere to show pictures, with a current OpenGL ES 3.0 context. Chosen once at start by name; every display answers
- * the same operations. One display at a time, used from the thread that opened it.
+ * the same operations. A display is used from the thread that opened it. There is one window at a time, but there may
+ * be several displays without a screen: display_use() changes between them.
  */
 #ifndef BLVD_PLATFORM_DISPLAY_DISPLAY_H
 #define BLVD_PLATFORM_DISPLAY_DISPLAY_H
@@ -50,6 +51,8 @@ struct display_ops {
 	 */
 	int (*open)(struct display *display, const struct display_config *config);
 	void (*close)(struct display *display);
+	/* Makes the context current again after another display's was. Returns 0 or -EIO. */
+	int (*use)(struct display *display);
 	/* Shows what was drawn into the context's default framebuffer; waits for the panel when vsync was asked for.
 	 * Returns 0 or -EIO. */
 	int (*present)(struct display *display);
@@ -70,6 +73,7 @@ const struct display_ops *display_by_name(const char *name);
 int display_open(struct display *display, const struct display_ops *ops, const struct display_config *config);
 /* A zeroed display does nothing. */
 void display_close(struct display *display);
+int display_use(struct display *display);
 int display_present(struct display *display);
 /* The next event, oldest first; false when there is none. */
 bool display_poll(struct display *display, struct display_event *out);

@@ -53,6 +53,11 @@ static void surfaceless_close(struct display *display)
 	egl_stop(display->native[0], display->native[1]);
 }
 
+static int surfaceless_use(struct display *display)
+{
+	return egl_use(display->native[0], display->native[1]);
+}
+
 static int surfaceless_present(struct display *display)
 {
 	(void)display;
@@ -68,6 +73,7 @@ const struct display_ops display_surfaceless = {
 	.name = "headless",
 	.open = surfaceless_open,
 	.close = surfaceless_close,
+	.use = surfaceless_use,
 	.present = surfaceless_present,
 	.pump = surfaceless_pump,
 	.has_window = false,

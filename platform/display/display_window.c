@@ -119,6 +119,12 @@ static void window_close(struct display *display)
 	glfwTerminate();
 }
 
+static int window_use(struct display *display)
+{
+	glfwMakeContextCurrent(display->native[0]);
+	return 0;
+}
+
 static int window_present(struct display *display)
 {
 	glfwSwapBuffers(display->native[0]);
@@ -135,6 +141,7 @@ const struct display_ops display_window = {
 	.name = "window",
 	.open = window_open,
 	.close = window_close,
+	.use = window_use,
 	.present = window_present,
 	.pump = window_pump,
 	.has_window = true,

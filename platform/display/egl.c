@@ -2,10 +2,15 @@
 #include "platform/display/egl.h"
 
 #include <errno.h>
+#include <pthread.h>
 #include <string.h>
 
 #include "platform/base/log.h"
 #include "platform/display/display.h"
+
+/* Every caller gets the same EGLDisplay, and one eglTerminate() ends it for all of them: the last one does it. */
+static pthread_mutex_t users_lock = PTHREAD_MUTEX_INITIALIZER;
+static int users;
 
 const char *egl_error_text(EGLint error)
 {
@@ -47,21 +52,42 @@ static EGLContext make_context(EGLDisplay display)
 	return eglCreateContext(display, config, EGL_NO_CONTEXT, version);
 }
 
+static EGLBoolean initialize(EGLDisplay display)
+{
+	pthread_mutex_lock(&users_lock);
+	EGLBoolean done = eglInitialize(display, NULL, NULL);
+	users += done ? 1 : 0;
+	pthread_mutex_unlock(&users_lock);
+	return done;
+}
+
+static void terminate(EGLDisplay display)
+{
+	pthread_mutex_lock(&users_lock);
+	if (--users == 0)
+		eglTerminate(display);
+	pthread_mutex_unlock(&users_lock);
+}
+
 int egl_start_surfaceless(EGLDisplay display, EGLContext *context)
 {
-	EGLint major, minor;
-	if (!eglInitialize(display, &major, &minor))
+	if (!initialize(display))
 		return fail("cannot start");
 	if (!eglBindAPI(EGL_OPENGL_ES_API) || (*context = make_context(display)) == EGL_NO_CONTEXT) {
 		int err = fail("no OpenGL ES 3.0 context");
-		eglTerminate(display);
+		terminate(display);
 		return err;
 	}
-	if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, *context)) {
-		int err = fail("context without a surface");
+	int err = egl_use(display, *context);
+	if (err)
 		egl_stop(display, *context);
-		return err;
-	}
+	return err;
+}
+
+int egl_use(EGLDisplay display, EGLContext context)
+{
+	if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
+		return fail("context without a surface");
 	return 0;
 }
 
@@ -69,7 +95,7 @@ void egl_stop(EGLDisplay display, EGLContext context)
 {
 	eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
 	eglDestroyContext(display, context);
-	eglTerminate(display);
+	terminate(display);
 	eglReleaseThread();
 }
 

@@ -12,6 +12,8 @@ int egl_has(EGLDisplay display, const char *extension);
 
 /* Initialises `display`, makes a surfaceless ES 3.0 context and makes it current. Returns 0 or -EIO; logs one line. */
 int egl_start_surfaceless(EGLDisplay display, EGLContext *context);
+/* Makes a context current in this thread. Returns 0 or -EIO; logs one line. */
+int egl_use(EGLDisplay display, EGLContext context);
 void egl_stop(EGLDisplay display, EGLContext context);
 
 #endif

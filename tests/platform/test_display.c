@@ -60,12 +60,28 @@ static void headless_opens_closes_and_opens_again(void **state)
 	}
 }
 
+static void headless_displays_take_turns(void **state)
+{
+	(void)state;
+	struct display a, b;
+	struct display_config config = { .width = 64, .height = 32 };
+	if (display_open(&a, &display_surfaceless, &config))
+		skip();
+	assert_int_equal(display_open(&b, &display_surfaceless, &config), 0);
+	assert_int_equal(display_use(&a), 0);
+	assert_int_equal(display_use(&b), 0);
+	display_close(&b);
+	assert_int_equal(display_use(&a), 0); /* outlives the other's end */
+	display_close(&a);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(events_come_in_order_and_the_oldest_are_dropped),
 		cmocka_unit_test(displays_have_names),
 		cmocka_unit_test(headless_opens_closes_and_opens_again),
+		cmocka_unit_test(headless_displays_take_turns),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
