@@ -35,4 +35,8 @@ done
 for file in "$dir"/city.*; do
 	check "$file" "#define HAS_WALL 1\n#define HAS_GROUND 1\n#define HAS_WATER 1\n#define LIT 1\n#define FADE 1\n"
 done
+for file in "$dir"/truth.* "$dir"/capture.*; do
+	check "$file" "#define NO_FRAME_BLOCK 1\n"
+	check "$file" "#define NO_FRAME_BLOCK 1\n#define COLOR 1\n"
+done
 exit $bad

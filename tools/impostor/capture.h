@@ -1,6 +1,18 @@
 /*
  * Renders sets of triangles from poses through our own GL, on a surfaceless context: unlit colour, disparity and what
- * is seen, a pixel each. One capturer belongs to one thread.
+ * is seen, a pixel each. One capturer belongs to one thread, and is the only user of GL there; a process has one at a
+ * time.
+ *
+ * What a pixel is (object, triangle, normal, disparity) is that of its centre, exactly: disparity is worked out from
+ * the triangle's corners in double, for the eye as given. Its colour is a mean over the pixel, of samples that show the
+ * same object; it says nothing of what else the pixel holds.
+ *
+ * Colour is what light is multiplied with. Let c be the colour in linear light, a alpha, L the light on the surface by
+ * city.vert without its ambient occlusion (which c has; the part of it that dims the sun alone is lost), m the share
+ * that glass mirrors from here (mirroring() of prelude.glsl), M what it mirrors, R the light of rooms. City.frag shows
+ *     c L + a (m M + R)
+ * with R for WALL and SHOP alone. Roofs and solids have an alpha too, for their gloss. Ground has the light map's open
+ * sky in c; water is the body of it, without waves. Lamps' light is in none of them.
  */
 #ifndef BLVD_TOOLS_IMPOSTOR_CAPTURE_H
 #define BLVD_TOOLS_IMPOSTOR_CAPTURE_H
@@ -22,6 +34,15 @@ struct capture_view {
 
 /* Position in pixels and depth of a point; false behind the eye. */
 bool capture_project(const struct capture_view *view, struct dvec3 point, double *x, double *y, double *z);
+/* The same view of a part of its pixels. */
+struct capture_rect {
+	uint32_t x, y, width, height;
+};
+struct capture_view capture_cut(const struct capture_view *view, const struct capture_rect *rect);
+/* The pixels that the set's triangles can touch, in front of the near plane; false when there are none. For
+ * capture_cut(): what a view costs goes by its pixels. */
+bool capture_bounds(
+	const struct pkg *pkg, const struct triangle_set *set, const struct capture_view *view, struct capture_rect *out);
 /* The point seen at a pixel position, at disparity 1 / z. */
 struct dvec3 capture_point(const struct capture_view *view, double x, double y, double disparity);
 
@@ -38,7 +59,7 @@ static_assert(sizeof(struct capture_pixel) == 16, "as the GPU writes it");
 /* Rows from the top. Owned. */
 struct capture_image {
 	struct capture_view view;
-	uint8_t *rgba; /* sRGB albedo x tint x ambient occlusion; alpha: share of glass */
+	uint8_t *rgba; /* NULL, or sRGB albedo x tint x ambient occlusion; alpha: share of glass. See above */
 	struct capture_pixel *pixels;
 };
 void capture_image_finish(struct capture_image *image);
@@ -48,9 +69,11 @@ struct capturer;
 int capturer_open(struct capturer **out, const struct pkg *pkg);
 void capturer_close(struct capturer *capturer);
 
-/* What is to be drawn by following calls. `set` is not needed afterwards. */
+/* What is to be drawn by following calls. `set` is not needed afterwards. Damaged chunks are left out. */
 void capturer_use(struct capturer *capturer, const struct triangle_set *set);
-/* Draws what is in use. `color` false leaves out->rgba NULL. Reuses what `out` has when the size fits. */
+/* Draws what is in use. `color` false leaves out->rgba NULL. Reuses what `out` has when the size fits. Decals are drawn
+ * too. The depth buffer has 24 bits: choose the near plane no nearer than needed. Returns 0, -EINVAL (no pixels),
+ * -E2BIG (twice the view's size, or the set, is more than GL can hold) or -ENOMEM; logs one line on failure. */
 int capturer_draw(struct capturer *capturer, const struct capture_view *view, bool color, struct capture_image *out);
 
 #endif

@@ -1,0 +1,175 @@
+/*
+ * Disparity is worked out here in double and not on the GPU: on a plane 1/z is affine in the image, so it costs two
+ * multiplications a pixel and has no error but its rounding to float.
+ */
+#include "tools/impostor/capture_pixels.h"
+
+#include <string.h>
+
+static struct dvec3 cross(struct dvec3 a, struct dvec3 b)
+{
+	return (struct dvec3){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
+
+static double dot(struct dvec3 a, struct dvec3 b)
+{
+	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static struct dvec3 minus(struct dvec3 a, struct dvec3 b)
+{
+	return (struct dvec3){ a.x - b.x, a.y - b.y, a.z - b.z };
+}
+
+static void corners_from_eye(const struct pkg *pkg, const struct capture_batch *batch, uint32_t triangle,
+	const struct capture_view *view, struct dvec3 out[3])
+{
+	const struct pkg_object *object = &pkg->objects[batch->triangles.items[triangle].object];
+	const int32_t *origin = pkg->chunks[object->chunk].origin_mm;
+	for (int i = 0; i < 3; i++) {
+		const int32_t *at = batch->vertices.items[(size_t)triangle * 3 + (size_t)i].pos_mm;
+		out[i].x = (double)((int64_t)origin[0] + at[0]) * 1e-3 - view->eye.x;
+		out[i].y = (double)((int64_t)origin[1] + at[1]) * 1e-3 - view->eye.y;
+		out[i].z = (double)((int64_t)origin[2] + at[2]) * 1e-3 - view->eye.z;
+	}
+}
+
+/* A point on the ray r of a pixel is on the plane n p = d where p = r d / (n r): disparity is n r / d. Rasterisation
+ * snaps corners to a fraction of a pixel, which on a plane seen from its edge is a leap in disparity: the corners'
+ * own are the limits. */
+static void find_plane(const struct dvec3 corner[3], const struct capture_view *view, struct capture_plane *out)
+{
+	double nearest = 1.0 / view->far_m, farthest = 1.0 / view->near_m;
+	double high = nearest, low = farthest;
+	for (int i = 0; i < 3; i++) {
+		double z = dot(corner[i], view->forward);
+		double disparity = z > view->near_m ? 1.0 / z : farthest;
+		high = disparity > high ? disparity : high;
+		low = disparity < low ? disparity : low;
+	}
+	struct dvec3 normal = cross(minus(corner[1], corner[0]), minus(corner[2], corner[0]));
+	double distance = dot(normal, corner[0]);
+	double along = dot(normal, view->forward), right = dot(normal, view->right), up = dot(normal, view->up);
+	out->low = (float)low;
+	out->high = (float)high;
+	out->per_x = right / (view->focal_px * distance);
+	out->per_y = -up / (view->focal_px * distance);
+	out->at_origin = along / distance - view->centre_x * out->per_x - view->centre_y * out->per_y;
+	if (!isfinite(out->at_origin))
+		*out = (struct capture_plane){ .at_origin = high, .low = out->low, .high = out->high };
+}
+
+static const struct capture_plane *plane_of(struct capture_planes *planes, const struct pkg *pkg,
+	const struct capture_batch *batch, uint32_t triangle, const struct capture_view *view)
+{
+	struct capture_plane *plane = &planes->items.items[triangle];
+	if (plane->drawing == planes->drawing)
+		return plane;
+	struct dvec3 corner[3];
+	corners_from_eye(pkg, batch, triangle, view, corner);
+	find_plane(corner, view, plane);
+	plane->drawing = planes->drawing;
+	return plane;
+}
+
+static void start_drawing(struct capture_planes *planes, size_t triangles)
+{
+	size_t had = planes->items.count;
+	ARRAY_RESERVE(&planes->items, triangles + 1);
+	if (triangles > had) {
+		memset(planes->items.items + had, 0, (triangles - had) * sizeof(*planes->items.items));
+		planes->items.count = triangles;
+	}
+	if (!++planes->drawing) {
+		memset(planes->items.items, 0, planes->items.count * sizeof(*planes->items.items));
+		planes->drawing = 1;
+	}
+}
+
+static void fill_pixel(struct capture_pixel *out, const struct capture_triangle *triangle,
+	const struct capture_plane *plane, double x, double y)
+{
+	float disparity = (float)(plane->at_origin + plane->per_x * x + plane->per_y * y);
+	disparity = disparity < plane->low ? plane->low : disparity;
+	*out = (struct capture_pixel){
+		.object = triangle->object + 1,
+		.disparity = disparity > plane->high ? plane->high : disparity,
+		.normal_oct = { triangle->normal_oct[0], triangle->normal_oct[1] },
+		.kind = triangle->kind,
+		.seed = triangle->seed,
+		.triangle = triangle->bit,
+	};
+}
+
+void capture_pixels_fill(const struct pkg *pkg, const struct capture_batch *batch, struct capture_planes *planes,
+	const uint32_t *seen, struct capture_image *out)
+{
+	const struct capture_view *view = &out->view;
+	start_drawing(planes, batch->triangles.count);
+	for (uint32_t y = 0; y < view->height; y++) {
+		const uint32_t *from = seen + (size_t)y * view->width;
+		struct capture_pixel *to = out->pixels + (size_t)y * view->width;
+		for (uint32_t x = 0; x < view->width; x++) {
+			if (!from[x]) {
+				to[x] = (struct capture_pixel){ 0 };
+				continue;
+			}
+			uint32_t triangle = from[x] - 1;
+			fill_pixel(&to[x], &batch->triangles.items[triangle], plane_of(planes, pkg, batch, triangle, view),
+				(double)x + 0.5, (double)y + 0.5);
+		}
+	}
+}
+
+static bool on_ground(const struct capture_triangle *triangle)
+{
+	return triangle->kind == PKG_MATERIAL_GROUND || triangle->kind == PKG_MATERIAL_MARKING;
+}
+
+/* Markings are objects of their own, but one with the ground that they lie on. */
+static bool alike(const struct capture_batch *batch, uint32_t a, uint32_t b)
+{
+	if (a == b || !a || !b)
+		return a == b;
+	const struct capture_triangle *s = &batch->triangles.items[a - 1], *t = &batch->triangles.items[b - 1];
+	if (on_ground(s) && on_ground(t))
+		return s->object == t->object || s->decal || t->decal;
+	return s->object == t->object && s->kind == t->kind;
+}
+
+static void mean_color(const uint8_t *samples[], unsigned count, uint8_t out[4])
+{
+	for (int c = 0; c < 4; c++) {
+		unsigned sum = count / 2;
+		for (unsigned i = 0; i < count; i++)
+			sum += samples[i][c];
+		out[c] = (uint8_t)(sum / count);
+	}
+}
+
+void capture_pixels_color(const struct capture_batch *batch, const uint32_t *seen, const uint8_t *rgba,
+	const uint32_t *fine_seen, const uint8_t *fine_rgba, struct capture_image *out)
+{
+	size_t width = out->view.width, height = out->view.height;
+	for (size_t y = 0; y < height; y++) {
+		for (size_t x = 0; x < width; x++) {
+			size_t at = y * width + x, fine = y * width * 4 + x * 2;
+			const size_t around[4] = { fine, fine + 1, fine + width * 2, fine + width * 2 + 1 };
+			const uint8_t *samples[5] = { rgba + at * 4 };
+			unsigned count = 1;
+			uint8_t *to = out->rgba + at * 4;
+			if (!seen[at]) {
+				memset(to, 0, 4);
+				continue;
+			}
+			for (int i = 0; i < 4; i++)
+				if (alike(batch, seen[at], fine_seen[around[i]]))
+					samples[count++] = fine_rgba + around[i] * 4;
+			mean_color(samples, count, to);
+			/* decals leave their wear in alpha */
+			const struct capture_triangle *triangle = &batch->triangles.items[seen[at] - 1];
+			if (triangle->decal || on_ground(triangle))
+				to[3] = 0;
+		}
+	}
+}
