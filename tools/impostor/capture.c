@@ -136,6 +136,8 @@ void capturer_close(struct capturer *capturer)
 {
 	if (!capturer)
 		return;
+	if (capturer->gfx)
+		display_use(&capturer->display);
 	gfx_finish(capturer->gfx);
 	display_close(&capturer->display);
 	for (int i = 0; i < TARGETS; i++) {
@@ -170,7 +172,9 @@ void capturer_use(struct capturer *capturer, const struct triangle_set *set)
 {
 	capture_batch_fill(&capturer->batch, capturer->pkg, set);
 	uint64_t bytes = (uint64_t)capturer->batch.vertices.count * sizeof(struct pkg_mesh_vertex);
-	capturer->error = hold_vertices(capturer, bytes);
+	capturer->error = display_use(&capturer->display);
+	if (!capturer->error)
+		capturer->error = hold_vertices(capturer, bytes);
 	if (!capturer->error && bytes)
 		gfx_buffer_write(capturer->gfx, capturer->vertices, 0, capturer->batch.vertices.items, (uint32_t)bytes);
 	/* planes of other triangles are no longer true */
@@ -365,6 +369,8 @@ int capturer_draw(struct capturer *capturer, const struct capture_view *view, bo
 	int err = capturer->error;
 	if (!err && (!view->width || !view->height))
 		err = -EINVAL;
+	if (!err)
+		err = display_use(&capturer->display);
 	if (!err)
 		err = hold_image(out, view, color);
 	if (!err)

@@ -1,7 +1,7 @@
 /*
  * Renders sets of triangles from poses through our own GL, on a surfaceless context: unlit colour, disparity and what
- * is seen, a pixel each. One capturer belongs to one thread, and is the only user of GL there; a process has one at a
- * time.
+ * is seen, a pixel each. One capturer belongs to one thread; there may be
+ * several. Each call makes the capturer's context current and leaves it so.
  *
  * What a pixel is (object, triangle, normal, disparity) is that of its centre, exactly: disparity is worked out from
  * the triangle's corners in double, for the eye as given. Its colour is a mean over the pixel, of samples that show the
