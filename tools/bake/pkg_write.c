@@ -1,33 +1,15 @@
-/*
- * Writes a package: sections are gathered, laid out, checksummed and written to PATH.part, which is synced and renamed,
- * so the final name never holds half a file. Same content, same bytes.
- */
-#include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
+/* Writes a package: gathers the sections from what the steps of the bake left. Same content, same bytes. */
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-#include <zlib.h>
 
 #include "platform/base/log.h"
 #include "tools/bake/bake.h"
+#include "tools/bake/pkg_file.h"
 #include "tools/bake/strings.h"
 
-#define SECTIONS_MAX 32
-
-struct section_bytes {
-	uint32_t tag, element_bytes;
-	const void *head; /* written before `bytes` */
-	size_t head_bytes;
-	const void *bytes;
-	size_t size;
-};
-
 struct writer {
-	struct section_bytes sections[SECTIONS_MAX];
+	struct pkg_file_section sections[PKG_FILE_SECTIONS_MAX];
 	uint32_t count;
 	struct string_table strings;
 	struct pkg_meta meta;
@@ -41,7 +23,7 @@ static void add_section(struct writer *writer, uint32_t tag, size_t element_byte
 {
 	if (!count)
 		return;
-	writer->sections[writer->count++] = (struct section_bytes){
+	writer->sections[writer->count++] = (struct pkg_file_section){
 		.tag = tag, .element_bytes = (uint32_t)element_bytes, .bytes = bytes, .size = element_bytes * count
 	};
 }
@@ -49,7 +31,7 @@ static void add_section(struct writer *writer, uint32_t tag, size_t element_byte
 static void add_blob(
 	struct writer *writer, uint32_t tag, const void *head, size_t head_bytes, const void *bytes, size_t size)
 {
-	writer->sections[writer->count++] = (struct section_bytes){
+	writer->sections[writer->count++] = (struct pkg_file_section){
 		.tag = tag, .element_bytes = 1, .head = head, .head_bytes = head_bytes, .bytes = bytes, .size = size
 	};
 }
@@ -162,92 +144,11 @@ static void gather(struct writer *writer, const struct pkg_content *content)
 	add_section(writer, PKG_STRS, 1, writer->strings.bytes.items, writer->strings.bytes.count);
 }
 
-static uint32_t crc_of(const void *head, size_t head_bytes, const void *bytes, size_t size)
-{
-	uLong crc = crc32(0L, head, (uInt)head_bytes);
-	const uint8_t *at = bytes;
-	for (uInt step; size > 0; at += step, size -= step) {
-		step = size > (1u << 30) ? 1u << 30 : (uInt)size;
-		crc = crc32(crc, at, step);
-	}
-	return (uint32_t)crc;
-}
-
-static int put(FILE *file, const void *bytes, size_t size)
-{
-	return size && fwrite(bytes, 1, size, file) != size ? -EIO : 0;
-}
-
-static int put_zeros_to(FILE *file, uint64_t *at, uint64_t to)
-{
-	static const uint8_t zeros[PKG_ALIGN];
-	int status = put(file, zeros, (size_t)(to - *at));
-	*at = to;
-	return status;
-}
-
-static int write_sections(FILE *file, const struct writer *writer)
-{
-	struct pkg_section table[SECTIONS_MAX] = { 0 };
-	struct pkg_header header = {
-		.magic = PKG_MAGIC, .version_major = PKG_VERSION_MAJOR, .version_minor = PKG_VERSION_MINOR
-	};
-	uint64_t at = sizeof(header) + writer->count * sizeof(struct pkg_section);
-	for (uint32_t i = 0; i < writer->count; i++) {
-		const struct section_bytes *from = &writer->sections[i];
-		at = (at + PKG_ALIGN - 1) / PKG_ALIGN * PKG_ALIGN;
-		table[i] = (struct pkg_section){
-			.tag = from->tag, .element_bytes = from->element_bytes, .offset = at, .bytes = from->head_bytes + from->size
-		};
-		if (from->tag != PKG_GEOM)
-			table[i].crc32 = crc_of(from->head, from->head_bytes, from->bytes, from->size);
-		at += table[i].bytes;
-	}
-	header.section_count = writer->count;
-	header.file_bytes = at;
-	header.table_crc32 = crc_of(NULL, 0, table, writer->count * sizeof(*table));
-	header.header_crc32 = crc_of(NULL, 0, &header, sizeof(header));
-	int status = put(file, &header, sizeof(header));
-	if (!status)
-		status = put(file, table, writer->count * sizeof(*table));
-	at = sizeof(header) + writer->count * sizeof(*table);
-	for (uint32_t i = 0; i < writer->count && !status; i++) {
-		const struct section_bytes *from = &writer->sections[i];
-		if (!(status = put_zeros_to(file, &at, table[i].offset)) && !(status = put(file, from->head, from->head_bytes)))
-			status = put(file, from->bytes, from->size);
-		at += table[i].bytes;
-	}
-	return status;
-}
-
-static int write_file(const char *path, const struct writer *writer)
-{
-	char part[PATH_MAX];
-	if (snprintf(part, sizeof(part), "%s.part", path) >= (int)sizeof(part))
-		return -ENAMETOOLONG;
-	errno = 0;
-	FILE *file = fopen(part, "wb");
-	if (!file)
-		return -errno;
-	int status = write_sections(file, writer);
-	if (!status && (fflush(file) || fsync(fileno(file))))
-		status = -errno;
-	if (status == -EIO && errno)
-		status = -errno;
-	if (fclose(file) && !status)
-		status = -errno;
-	if (!status && rename(part, path))
-		status = -errno;
-	if (status)
-		unlink(part);
-	return status;
-}
-
 int pkg_write(const char *path, const struct pkg_content *content)
 {
 	struct writer writer = { 0 };
 	gather(&writer, content);
-	int status = write_file(path, &writer);
+	int status = pkg_file_write(path, writer.sections, writer.count);
 	if (status)
 		log_error("%s: cannot write: %s", path, strerror(-status));
 	strings_finish(&writer.strings);
