@@ -208,6 +208,8 @@ static void advance(struct run *run, int64_t now_ns, double step_s)
 	if (run->options->truth)
 		compare_truth(run, &view, time_s);
 	write_trace(run, &view, time_s);
+	if (run->options->on_view)
+		run->options->on_view(run->options->context, &view);
 }
 
 static void feed(struct run *run, const struct can_frame_rx *frame)

@@ -37,9 +37,11 @@ struct track_options {
 	const struct pkg *pkg;     /* NULL: dead reckoning alone */
 	const struct truth *truth; /* NULL: none */
 	bool use_gnss;
-	bool free;     /* no route: what the bus asks for is not heard */
-	double step_s; /* between updates; 0: 0.02 */
-	FILE *trace;   /* CSV of what the navigator said; NULL none */
+	bool free;                                                   /* no route: what the bus asks for is not heard */
+	double step_s;                                               /* between updates; 0: 0.02 */
+	FILE *trace;                                                 /* CSV of what the navigator said; NULL none */
+	void (*on_view)(void *context, const struct nav_view *view); /* called at every update with a city; or NULL */
+	void *context;
 };
 
 /* One summary, errors in metres and degrees. Shares are of the time the car was on its way and its place was known. */
