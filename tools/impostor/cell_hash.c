@@ -26,11 +26,16 @@ static uint64_t hash_object(const struct pkg *pkg, const struct pkg_object *obje
 	const struct pkg_chunk *chunk = &pkg->chunks[object->chunk];
 	const struct pkg_mesh_vertex *vertices = pkg_chunk_vertices(pkg, chunk);
 	const uint16_t *indices = pkg_chunk_indices(pkg, chunk);
-	uint64_t hash = add_bytes(BAKE_VERSION, chunk->origin_mm, sizeof(chunk->origin_mm));
+	uint64_t hash = BAKE_VERSION;
 	for (int pass = 0; pass < PKG_PASS_COUNT; pass++) {
 		hash = hash_u64(hash ^ object->index_count[pass]);
-		for (uint32_t i = 0; i < object->index_count[pass]; i++)
-			hash = add_bytes(hash, &vertices[indices[object->first_index[pass] + i]], sizeof(*vertices));
+		for (uint32_t i = 0; i < object->index_count[pass]; i++) {
+			/* Where it is in the city, not in its chunk, whose origin depends on others. */
+			struct pkg_mesh_vertex vertex = vertices[indices[object->first_index[pass] + i]];
+			for (int axis = 0; axis < 3; axis++)
+				vertex.pos_mm[axis] += chunk->origin_mm[axis];
+			hash = add_bytes(hash, &vertex, sizeof(vertex));
+		}
 	}
 	return hash;
 }
