@@ -15,14 +15,26 @@ void canvas_color(uint8_t out[4], struct rgba color)
 		out[i] = (uint8_t)(fminf(fmaxf(values[i], 0.0f), 1.0f) * 255.0f + 0.5f);
 }
 
+static void enter_run(struct canvas *canvas, enum canvas_kind kind)
+{
+	uint32_t count = canvas->run_count;
+	if (count && (canvas->runs[count - 1].kind == kind || count == CANVAS_RUNS_MAX))
+		return;
+	if (count == CANVAS_RUNS_MAX - 1)
+		kind = CANVAS_GLYPHS;
+	canvas->runs[canvas->run_count++] = (struct canvas_run){ canvas->index_count, kind };
+}
+
 /* Room for a shape, all or nothing. */
-static struct canvas_vertex *take(struct canvas *canvas, uint32_t vertices, uint32_t indices, uint32_t *first)
+static struct canvas_vertex *take(
+	struct canvas *canvas, enum canvas_kind kind, uint32_t vertices, uint32_t indices, uint32_t *first)
 {
 	if (canvas->vertex_count + vertices > canvas->vertex_capacity ||
 		canvas->index_count + indices > canvas->index_capacity) {
 		canvas->dropped++;
 		return NULL;
 	}
+	enter_run(canvas, kind);
 	*first = canvas->vertex_count;
 	canvas->vertex_count += vertices;
 	return canvas->vertices + *first;
@@ -84,7 +96,7 @@ void canvas_convex(
 {
 	uint32_t first;
 	assert(count >= 3 && count <= CANVAS_POINTS_MAX);
-	struct canvas_vertex *out = take(canvas, 2 * count, 3 * (count - 2) + 6 * count, &first);
+	struct canvas_vertex *out = take(canvas, CANVAS_SHAPES, 2 * count, 3 * (count - 2) + 6 * count, &first);
 	if (!out)
 		return;
 	uint8_t rgba[4];
@@ -158,7 +170,7 @@ void canvas_arc(struct canvas *canvas, struct vec2 center, float radius, float w
 	struct rgba color)
 {
 	uint32_t first, count = segments(radius + width, sweep_rad);
-	struct canvas_vertex *out = take(canvas, 4 * (count + 1), 18 * count, &first);
+	struct canvas_vertex *out = take(canvas, CANVAS_SHAPES, 4 * (count + 1), 18 * count, &first);
 	if (!out)
 		return;
 	uint8_t rgba[4];
@@ -178,7 +190,7 @@ void canvas_stroke(struct canvas *canvas, const struct vec2 *points, uint32_t co
 {
 	uint32_t first;
 	assert(count >= 2);
-	struct canvas_vertex *out = take(canvas, 4 * (count + 2), 18 * (count + 1), &first);
+	struct canvas_vertex *out = take(canvas, CANVAS_SHAPES, 4 * (count + 2), 18 * (count + 1), &first);
 	if (!out)
 		return;
 	uint8_t rgba[4];
@@ -203,7 +215,7 @@ void canvas_glyph(
 	struct canvas *canvas, const struct vec2 corners[4], const struct box *uv, const struct canvas_vertex *shape)
 {
 	uint32_t first;
-	struct canvas_vertex *out = take(canvas, 4, 6, &first);
+	struct canvas_vertex *out = take(canvas, CANVAS_GLYPHS, 4, 6, &first);
 	if (!out)
 		return;
 	const float u[4] = { uv->x0, uv->x1, uv->x1, uv->x0 }, v[4] = { uv->y0, uv->y0, uv->y1, uv->y1 };
@@ -266,17 +278,19 @@ static int upload_atlas(struct canvas *canvas, struct arena *arena, const struct
 	return 0;
 }
 
-static int create_pipeline(struct canvas *canvas)
+static int create_pipeline(struct canvas *canvas, enum canvas_kind kind)
 {
-	struct gfx_program_desc program = { .vertex = "text.vert",
+	struct gfx_program_desc program = {
+		.vertex = "text.vert",
 		.fragment = "text.frag",
-		.textures = { "u_atlas" },
-		.defines = "#define NO_FRAME_BLOCK 1\n" };
-	int status = gfx_program_create(canvas->gfx, &program, &canvas->program);
+		.textures = { kind == CANVAS_GLYPHS ? "u_atlas" : NULL },
+		.defines = kind == CANVAS_GLYPHS ? "#define NO_FRAME_BLOCK 1\n" : "#define NO_FRAME_BLOCK 1\n#define SHAPE 1\n",
+	};
+	int status = gfx_program_create(canvas->gfx, &program, &canvas->programs[kind]);
 	if (status < 0)
 		return status;
 	struct gfx_pipeline_desc pipeline = {
-		.program = canvas->program,
+		.program = canvas->programs[kind],
 		.stride = sizeof(struct canvas_vertex),
 		.attribute_count = 5,
 		.attributes = { { GFX_F32X2, offsetof(struct canvas_vertex, x) },
@@ -288,7 +302,7 @@ static int create_pipeline(struct canvas *canvas)
 		.blend = GFX_PREMULTIPLIED,
 		.depth = GFX_DEPTH_OFF,
 	};
-	return gfx_pipeline_create(canvas->gfx, &pipeline, &canvas->pipeline);
+	return gfx_pipeline_create(canvas->gfx, &pipeline, &canvas->pipelines[kind]);
 }
 
 static int create_buffers(struct canvas *canvas)
@@ -329,7 +343,9 @@ int canvas_init(struct canvas *canvas, struct arena *arena, struct gfx *gfx, con
 		return -ENOMEM;
 	if (!gfx)
 		return 0;
-	int status = create_pipeline(canvas);
+	int status = create_pipeline(canvas, CANVAS_SHAPES);
+	if (status == 0)
+		status = create_pipeline(canvas, CANVAS_GLYPHS);
 	if (status == 0)
 		status = create_buffers(canvas);
 	if (status == 0)
@@ -345,15 +361,17 @@ void canvas_finish(struct canvas *canvas)
 		gfx_texture_destroy(canvas->gfx, canvas->atlas);
 		gfx_buffer_destroy(canvas->gfx, canvas->index_buffer);
 		gfx_buffer_destroy(canvas->gfx, canvas->vertex_buffer);
-		gfx_pipeline_destroy(canvas->gfx, canvas->pipeline);
-		gfx_program_destroy(canvas->gfx, canvas->program);
+		for (int kind = 0; kind < CANVAS_KIND_COUNT; kind++) {
+			gfx_pipeline_destroy(canvas->gfx, canvas->pipelines[kind]);
+			gfx_program_destroy(canvas->gfx, canvas->programs[kind]);
+		}
 	}
 	*canvas = (struct canvas){ 0 };
 }
 
 void canvas_begin(struct canvas *canvas, uint32_t width, uint32_t height)
 {
-	canvas->vertex_count = canvas->index_count = 0;
+	canvas->vertex_count = canvas->index_count = canvas->run_count = 0;
 	canvas->width = (float)width;
 	canvas->height = (float)height;
 }
@@ -374,13 +392,17 @@ void canvas_draw(const struct canvas *canvas)
 		return;
 	const float to_clip[4] = { 2.0f / canvas->width, -2.0f / canvas->height, -1.0f, 1.0f };
 	struct gfx_draw draw = {
-		.pipeline = canvas->pipeline,
 		.vertices = canvas->vertex_buffer,
 		.indices = canvas->index_buffer,
-		.count = canvas->index_count,
-		.textures = { canvas->atlas },
 		.constants = to_clip,
 		.constant_count = 1,
 	};
-	gfx_draw(canvas->gfx, &draw);
+	for (uint32_t i = 0; i < canvas->run_count; i++) {
+		const struct canvas_run *run = &canvas->runs[i];
+		draw.pipeline = canvas->pipelines[run->kind];
+		draw.textures[0] = run->kind == CANVAS_GLYPHS ? canvas->atlas : (gfx_texture){ 0 };
+		draw.first = run->first_index;
+		draw.count = (i + 1 < canvas->run_count ? run[1].first_index : canvas->index_count) - run->first_index;
+		gfx_draw(canvas->gfx, &draw);
+	}
 }

@@ -1,7 +1,8 @@
 /*
  * What lies on the picture: flat shapes and glyphs in screen pixels (x right, y down from the top left corner),
- * gathered during the frame into one vertex buffer of fixed capacity and drawn with one call, in the order in which
- * they were added. Edges are smoothed by a fringe that fades to nothing, so no multisampling is needed.
+ * gathered during the frame into one vertex buffer of fixed capacity and drawn in the order in which they were added,
+ * with one call for each run of shapes or glyphs: shapes need no texture. Edges are smoothed by a fringe that fades to
+ * nothing, so no multisampling is needed.
  *
  * Stage: front end fills it every frame; nothing is allocated after canvas_init(). A full canvas drops the shape and
  * counts it.
@@ -45,16 +46,25 @@ struct canvas_vertex {
 	float grow_px;  /* strokes are made wider by this on each side */
 };
 
+enum canvas_kind { CANVAS_SHAPES, CANVAS_GLYPHS, CANVAS_KIND_COUNT };
+struct canvas_run { /* ends where the next begins */
+	uint32_t first_index;
+	enum canvas_kind kind;
+};
+#define CANVAS_RUNS_MAX 64 /* what comes after the last goes with the glyphs, which draw shapes as well */
+
 struct canvas {
 	struct canvas_vertex *vertices;
 	uint16_t *indices;
 	uint32_t vertex_capacity, index_capacity;
 	uint32_t vertex_count, index_count;
+	struct canvas_run runs[CANVAS_RUNS_MAX];
+	uint32_t run_count;
 	uint32_t dropped; /* shapes that found no room, since start */
 	float width, height;
 	struct gfx *gfx; /* NULL: nothing is drawn (tests) */
-	gfx_program program;
-	gfx_pipeline pipeline;
+	gfx_program programs[CANVAS_KIND_COUNT];
+	gfx_pipeline pipelines[CANVAS_KIND_COUNT];
 	gfx_buffer vertex_buffer, index_buffer;
 	gfx_texture atlas;
 };

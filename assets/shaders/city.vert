@@ -1,9 +1,8 @@
-// The city's geometry: struct pkg_mesh_vertex of assets/pkg_format.h. Everything that is linear over a triangle, or
-// constant over it, is worked out here. Few varyings: a software rasteriser pays for each, twice.
+// The city's geometry: struct pkg_mesh_vertex of assets/pkg_format.h. Light, haze and reflections are worked out here, so
+// that a pixel costs a texel and a few products. Few varyings: a software rasteriser pays for each, twice.
 //
-// Variants by what a draw contains: HAS_WALL (walls, shops), HAS_GROUND (ground, markings, lamps), HAS_WATER, and LIT when lamps or
-// windows shine. Roofs,
-// foliage and solids are in all of them.
+// Variants by what a draw contains: HAS_WALL (walls, shops), HAS_GROUND (ground, markings, lamps), HAS_WATER, and LIT
+// when lamps or windows shine. Roofs, foliage and solids are in all of them.
 layout(location = 0) in highp vec3 a_position_mm; // from the chunk's origin
 layout(location = 1) in highp vec2 a_normal_oct;
 layout(location = 2) in highp vec2 a_ao_material; // 0 to 255 each
@@ -22,12 +21,19 @@ layout(std140) uniform Materials {
 uniform sampler2D u_light_map; // r open sky, g street light
 #endif
 
-out highp vec3 v_from_eye; // m
+// A pixel is texel * v_paint + v_over, encoded.
 out highp vec2 v_uv;
-out highp vec4 v_color; // linear tint times light, AO included; w the light alone
-flat out highp vec4 v_normal_code; // code: kind + 16 layer + 4096 seed
-#ifndef HAS_GROUND
-flat out mediump float v_gloss;
+out highp vec3 v_paint;
+out highp vec3 v_over;
+flat out highp vec4 v_what; // layer, kind, 1 wall or shop, seed
+#ifdef HAS_WALL
+out highp vec4 v_glass; // of glass: texel * w + rgb
+#endif
+#ifdef HAS_GROUND
+out highp vec2 v_map;
+#endif
+#ifdef HAS_WATER
+out highp vec3 v_from_eye; // m
 #endif
 
 const vec3 LAMP_LIGHT = vec3(0.56, 0.40, 0.22);
@@ -36,26 +42,34 @@ void main()
 {
 	vec3 at_mm = a_position_mm + u_draw[0].xyz;
 	gl_Position = mat4(u_draw[1], u_draw[2], u_draw[3], u_draw[4]) * vec4(at_mm, 1.0);
-	v_from_eye = at_mm * 0.001;
+	vec3 from_eye = at_mm * 0.001;
+	float distance_m = length(from_eye);
 	v_uv = a_uv * (1.0 / 256.0);
 
 	vec4 material = materials[int(a_ao_material.y + 0.5)];
-	vec3 normal = octahedral(a_normal_oct);
-	v_normal_code = vec4(normal, material.x + 16.0 * material.y + 4096.0 * floor(a_tint_seed.w * 255.0 + 0.5));
-#ifndef HAS_GROUND
-	v_gloss = material.z;
-#endif
+	float wall = step(material.x, KIND_SHOP);
+	vec3 normal = octahedral(a_normal_oct), to_eye = from_eye * (-1.0 / max(distance_m, 0.001));
+	v_what = vec4(material.y, material.x, wall, floor(a_tint_seed.w * 255.0 + 0.5));
 
-	float ao = a_ao_material.x * (1.0 / 255.0);
-	float facing = dot(normal, sun_direction.xyz);
-	facing = material.x == KIND_FOLIAGE ? facing * 0.6 + 0.4 : facing; // light goes through leaves
-	vec3 ambient = mix(ground_color.rgb, sky_color.rgb, normal.z * 0.5 + 0.5);
-	vec3 light = (ambient + sun_color.rgb * (max(facing, 0.0) * (0.5 + 0.5 * ao))) * ao;
+	vec3 light = light_on(normal, material.x, a_ao_material.x * (1.0 / 255.0));
 #if defined(HAS_WALL) && defined(LIT)
 	// the light of the pavement in front of the wall, less with every storey
-	vec2 at = u_draw[5].xy + (v_from_eye.xy + normal.xy * 2.5) * u_draw[5].zw;
-	float wall = step(material.x, KIND_SHOP) * sun_color.w;
-	light += LAMP_LIGHT * (textureLod(u_light_map, at, 0.0).g * exp2(-0.9 * v_uv.y) * wall);
+	vec2 at = u_draw[5].xy + (from_eye.xy + normal.xy * 2.5) * u_draw[5].zw;
+	light += LAMP_LIGHT * (textureLod(u_light_map, at, 0.0).g * exp2(-0.9 * v_uv.y) * wall * sun_color.w);
 #endif
-	v_color = vec4(decode_srgb(a_tint_seed.rgb) * light, light.g);
+	vec4 between = air(from_eye, distance_m);
+	vec3 mirror = mirrored(normal, to_eye) * between.w;
+	float gloss = wall > 0.5 ? 0.0 : material.z * 0.35;
+	v_paint = min(a_tint_seed.rgb * encode_srgb(min(light, vec3(2.0))), vec3(0.97)) * (between.w * (1.0 - gloss));
+	v_over = between.rgb + mirror * gloss;
+#ifdef HAS_WALL
+	float share = mirroring(normal, to_eye);
+	v_glass = vec4(between.rgb + mirror * share, encode_srgb(vec3(light.g * 0.7)).g * between.w * (1.0 - share));
+#endif
+#ifdef HAS_GROUND
+	v_map = u_draw[5].xy + from_eye.xy * u_draw[5].zw;
+#endif
+#ifdef HAS_WATER
+	v_from_eye = from_eye;
+#endif
 }

@@ -67,11 +67,33 @@ vec3 sky_in(vec3 direction)
 	return mix(low, zenith.rgb, 1.0 - exp2(-4.2 * up));
 }
 
-// What air does to a colour seen from `from_eye`, `d` metres away: one haze for near and far. It is thinner higher up.
-vec3 hazed(vec3 color, highp vec3 from_eye, highp float d)
+// Surfaces are lit at their vertices and mixed in encoded colour: a product of colours is the product of their encodings
+// (near enough), so a pixel needs neither to decode nor to encode.
+
+// Linear light on a surface; `ao` is its open share of the sky.
+vec3 light_on(vec3 normal, float kind, float ao)
 {
-	float clear = exp2(-haze.w * d / (1.0 + max(from_eye.z, 0.0) * 0.002));
+	float facing = dot(normal, sun_direction.xyz);
+	facing = kind == KIND_FOLIAGE ? facing * 0.6 + 0.4 : facing; // light goes through leaves
+	vec3 ambient = mix(ground_color.rgb, sky_color.rgb, normal.z * 0.5 + 0.5);
+	return (ambient + sun_color.rgb * (max(facing, 0.0) * (0.5 + 0.5 * ao))) * ao;
+}
+
+// Sky and buildings across the street, as something smooth shows them. Encoded.
+vec3 mirrored(vec3 normal, vec3 to_eye)
+{
+	float up = 2.0 * dot(to_eye, normal) * normal.z - to_eye.z;
+	vec3 sky = mix(haze.rgb, zenith.rgb, clamp(up * 1.4, 0.0, 1.0));
+	return encode_srgb(mix(ground_color.rgb * 0.35, sky, smoothstep(-0.02, 0.22, up)));
+}
+
+// Air between the eye and a place `d` metres away: rgb its encoded colour times the share that it covers, w the share
+// of what lies behind that still shows. One haze for near and far. It is thinner higher up.
+vec4 air(highp vec3 from_eye, highp float d)
+{
+	// 1.3: shares of encoded colours look thinner than shares of light
+	float clear = exp2(-1.3 * haze.w * d / (1.0 + max(from_eye.z, 0.0) * 0.002));
 	float towards_sun = max(dot(from_eye.xy, sun_direction.xy) / max(d, 1.0), 0.0) * (1.0 - sun_direction.w);
-	return mix(haze.rgb * (1.0 + 0.35 * towards_sun), color, clear);
+	return vec4(encode_srgb(min(haze.rgb * (1.0 + 0.35 * towards_sun), vec3(0.93))) * (1.0 - clear), clear);
 }
 #endif
