@@ -39,4 +39,7 @@ for file in "$dir"/truth.* "$dir"/capture.*; do
 	check "$file" "#define NO_FRAME_BLOCK 1\n"
 	check "$file" "#define NO_FRAME_BLOCK 1\n#define COLOR 1\n"
 done
+for file in "$dir"/text.*; do
+	check "$file" "#define SHAPE 1\n"
+done
 exit $bad
