@@ -11,6 +11,8 @@
 #include "assets/pkg_check.h"
 #include "platform/base/log.h"
 #include "tools/commands.h"
+#include "tools/inspect/far_pictures.h"
+#include "tools/inspect/far_table.h"
 #include "tools/inspect/pictures.h"
 
 struct inspect_options {
@@ -22,9 +24,10 @@ struct inspect_options {
 enum { OPT_JSON = 256, OPT_PNG, OPT_CELL };
 
 static const struct argp_option option_table[] = {
-	{ "cell", OPT_CELL, "N", 0, "one directed edge (half-edge N)", 0 },
+	{ "cell", OPT_CELL, "N", 0, "one directed edge (half-edge N), with its cells", 0 },
 	{ "json", OPT_JSON, NULL, 0, "print JSON", 0 },
-	{ "png", OPT_PNG, "DIR", 0, "write pictures: street graph, light map, textures, glyphs", 0 },
+	{ "png", OPT_PNG, "DIR", 0, "write pictures: street graph, light map, textures, glyphs; with --cell its impostors",
+		0 },
 	{ 0 },
 };
 
@@ -127,6 +130,7 @@ static cJSON *describe_package(const struct pkg *pkg)
 	cJSON_AddNumberToObject(out, "forbidden_turns", pkg->graph.turn_count);
 	cJSON_AddNumberToObject(out, "street_km", street_km(pkg));
 	count_objects(pkg, cJSON_AddObjectToObject(out, "objects"));
+	far_describe(pkg, out);
 	cJSON_AddItemToObject(out, "sections", describe_sections(pkg));
 	return out;
 }
@@ -152,6 +156,7 @@ static cJSON *describe_cell(const struct pkg *pkg, uint32_t half)
 	cJSON_AddNumberToObject(out, "next", at->next);
 	cJSON_AddNumberToObject(out, "face", at->face);
 	cJSON_AddNumberToObject(out, "face_area_m2", pkg->graph.faces[at->face].area_m2);
+	far_describe_half(pkg, half, out);
 	return out;
 }
 
@@ -195,21 +200,27 @@ static int print(cJSON *about, bool json)
 	return EXIT_DONE;
 }
 
+static int draw(const struct pkg *pkg, const struct inspect_options *options)
+{
+	if (mkdir(options->pictures, 0777) < 0 && errno != EEXIST) {
+		log_error("%s: %s", options->pictures, strerror(errno));
+		return EXIT_FAILED;
+	}
+	int err = options->cell < 0 ? inspect_pictures(pkg, options->pictures)
+								: far_pictures(pkg, (uint32_t)options->cell, options->pictures);
+	return err < 0 ? EXIT_FAILED : EXIT_DONE;
+}
+
 static int inspect(const struct pkg *pkg, const struct inspect_options *options)
 {
-	if (options->pictures) {
-		if (mkdir(options->pictures, 0777) < 0 && errno != EEXIST) {
-			log_error("%s: %s", options->pictures, strerror(errno));
-			return EXIT_FAILED;
-		}
-		return inspect_pictures(pkg, options->pictures) < 0 ? EXIT_FAILED : EXIT_DONE;
-	}
-	if (options->cell < 0)
-		return print(describe_package(pkg), options->json);
-	if ((uint64_t)options->cell >= pkg->graph.half_count) {
+	if (options->cell >= 0 && (uint64_t)options->cell >= pkg->graph.half_count) {
 		log_error("%s has the cells 0 to %u, not %ld", options->path, pkg->graph.half_count - 1, options->cell);
 		return EXIT_USAGE;
 	}
+	if (options->pictures)
+		return draw(pkg, options);
+	if (options->cell < 0)
+		return print(describe_package(pkg), options->json);
 	return print(describe_cell(pkg, (uint32_t)options->cell), options->json);
 }
 
