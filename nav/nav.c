@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "nav/likely.h"
 #include "nav/vehicle.h"
 
 #define SETTLE_PER_UPDATE 1500
@@ -439,6 +440,7 @@ void nav_snapshot(struct nav *nav, struct nav_view *out)
 	out->time_ns = nav->reckon.time_ns;
 	view_place(nav, out);
 	view_route(nav, out);
+	out->likely_count = likely_stretches(&nav->graph, nav->pkg, out, out->likely);
 }
 
 /* --- the car's signals --- */
@@ -482,7 +484,7 @@ void nav_update(
 	nav_advance(nav, &input, now_ns);
 	if (!out)
 		return;
-	nav_snapshot(nav, out);
 	view_inputs(vehicle, out);
+	nav_snapshot(nav, out);
 	out->wall_ns = wall_ns;
 }
