@@ -1,0 +1,230 @@
+/*
+ * One capture into patches: surfaces, sheets, their triangles, and the error that is left.
+ *
+ * How tau is shared out: a plane may miss its pixels by PLANE_SHARE of it; vertices on a border between two planes take
+ * the mean of the two, which adds at most half of JOIN_SHARE there. The rest is for the lattice and for rounding. The
+ * contours' own error is no displacement: the texture shows each pixel on the plane that it belongs to.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "tools/impostor/displacement.h"
+#include "tools/impostor/sheet_mesh.h"
+#include "tools/impostor/triangle_rows.h"
+
+#define PLANE_SHARE 0.6
+#define JOIN_SHARE 0.6
+#define GUARD_PX 3
+#define SLACK_PX 2
+#define INNER_PX 0.75
+#define SWALLOW_PX 6
+#define SWALLOW_SHARE 0.001
+#define COARSER 1.6 /* tau's factor from one try to the next, when there are too many triangles */
+#define TRIES 12
+#define TRIANGLES_MIN 32 /* for a capture, whatever the earlier ones took */
+
+struct meshing {
+	const struct impostor_capture *capture;
+	const struct impostor_options *options;
+	struct displacement displacement;
+	uint32_t width, height;
+	uint8_t *owned, *open_below;
+	float *tolerance, *scaled; /* of disparity for tau; the same, for this try */
+	float *error_px;           /* by pixel */
+	uint32_t pixels;           /* owned */
+	struct sheet_mesher mesher;
+};
+
+static void *image_bytes(const struct meshing *meshing, size_t bytes)
+{
+	size_t capacity = 0, count = (size_t)meshing->width * meshing->height + 1;
+	void *out = array_grow(NULL, &capacity, count, bytes);
+	memset(out, 0, count * bytes);
+	return out;
+}
+
+static void find_owned(struct meshing *meshing, const uint8_t *owner)
+{
+	const struct impostor_capture *capture = meshing->capture;
+	for (uint32_t i = 0; i < meshing->width * meshing->height; i++) {
+		const struct capture_pixel *pixel = &capture->image.pixels[i];
+		bool shown = pixel->object && owner[i] && (!capture->wanted || capture->wanted[i]) && pixel->disparity > 0 &&
+					 isfinite(pixel->disparity);
+		meshing->owned[i] = shown;
+		meshing->pixels += shown;
+	}
+	for (uint32_t y = meshing->height; y-- > 0;) {
+		for (uint32_t x = 0; x < meshing->width; x++) {
+			uint32_t i = y * meshing->width + x;
+			bool below = y + 1 == meshing->height || meshing->open_below[i + meshing->width];
+			meshing->open_below[i] = below && !capture->image.pixels[i].object;
+		}
+	}
+}
+
+static float largest_disparity(const struct meshing *meshing)
+{
+	float largest = 0;
+	for (uint32_t i = 0; i < meshing->width * meshing->height; i++)
+		if (meshing->owned[i])
+			largest = fmaxf(largest, meshing->capture->image.pixels[i].disparity);
+	return largest;
+}
+
+static double tau_px(const struct impostor_options *options)
+{
+	return options->tau_px > 0 ? options->tau_px : 1;
+}
+
+/* Where anything is seen, since a surface may spread over what is not to be shown. */
+static void find_tolerances(struct meshing *meshing)
+{
+	for (uint32_t y = 0, i = 0; y < meshing->height; y++) {
+		for (uint32_t x = 0; x < meshing->width; x++, i++) {
+			const struct capture_pixel *pixel = &meshing->capture->image.pixels[i];
+			if (pixel->object && pixel->disparity > 0 && isfinite(pixel->disparity))
+				meshing->tolerance[i] = (float)displacement_tolerance(
+					&meshing->displacement, x + 0.5, y + 0.5, pixel->disparity, tau_px(meshing->options));
+		}
+	}
+}
+
+static void scale_tolerances(struct meshing *meshing, double factor)
+{
+	for (uint32_t i = 0; i < meshing->width * meshing->height; i++)
+		meshing->scaled[i] = meshing->tolerance[i] * (float)factor;
+}
+
+/* Appends the capture's patches, with tolerances widened by `factor`. */
+static void mesh_once(struct meshing *meshing, double factor, uint8_t view, struct impostor_mesh *mesh)
+{
+	double coarse = fmax(factor, 1);
+	scale_tolerances(meshing, factor * PLANE_SHARE);
+	struct surfaces surfaces;
+	surfaces_find(&surfaces, &(struct surfaces_input){ .image = &meshing->capture->image,
+								 .owned = meshing->owned,
+								 .tolerance = meshing->scaled,
+								 .swallow_px = (uint32_t)(SWALLOW_PX * coarse),
+								 .swallow_share = SWALLOW_SHARE * coarse * coarse });
+	struct sheets sheets = { 0 };
+	sheets_find(&sheets, &surfaces, meshing->scaled, JOIN_SHARE / PLANE_SHARE);
+	scale_tolerances(meshing, factor);
+	uint32_t slack = (uint32_t)fmin(SLACK_PX * sqrt(coarse), 16);
+	struct sheet_source source = { .image = &meshing->capture->image,
+		.surfaces = &surfaces,
+		.sheets = &sheets,
+		.tolerance = meshing->scaled,
+		.open_below = meshing->open_below,
+		.options = { .guard_px = GUARD_PX, .slack_px = slack, .inner_px = INNER_PX * sqrt(coarse), .view = view } };
+	for (uint32_t i = 0; i + 1 < sheets.first.count; i++)
+		sheet_mesh(&meshing->mesher, &source, i, mesh);
+	sheets_finish(&sheets);
+	surfaces_finish(&surfaces);
+}
+
+static void measure_triangle(
+	struct meshing *meshing, const struct impostor_mesh *mesh, const struct mesh_patch *patch, const uint32_t index[3])
+{
+	const struct mesh_vertex *corner[3];
+	double x[3], y[3], w[3];
+	for (int i = 0; i < 3; i++) {
+		corner[i] = &mesh->vertices.items[patch->first_vertex + index[i]];
+		x[i] = corner[i]->x;
+		y[i] = corner[i]->y;
+		w[i] = corner[i]->disparity;
+	}
+	double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
+	double slope_x = ((w[1] - w[0]) * (y[2] - y[0]) - (w[2] - w[0]) * (y[1] - y[0])) / area;
+	double slope_y = ((w[2] - w[0]) * (x[1] - x[0]) - (w[1] - w[0]) * (x[2] - x[0])) / area;
+	uint32_t columns = patch->max_x - patch->min_x + 1u;
+	struct pixel_run rows = triangle_rows(y, (int32_t)meshing->height);
+	for (int32_t row = rows.from; row < rows.to; row++) {
+		struct pixel_run run = triangle_run(x, y, row, (int32_t)meshing->width);
+		for (int32_t column = run.from; column < run.to; column++) {
+			uint32_t pixel = (uint32_t)row * meshing->width + (uint32_t)column;
+			size_t texel = patch->first_texel + ((uint32_t)row - patch->min_y) * (size_t)columns +
+						   ((uint32_t)column - patch->min_x);
+			if (!meshing->owned[pixel] || mesh->texels.items[texel] != MESH_SHOW)
+				continue;
+			double drawn = w[0] + slope_x * (column + 0.5 - x[0]) + slope_y * (row + 0.5 - y[0]);
+			double error = displacement_px(&meshing->displacement, column + 0.5, row + 0.5,
+				meshing->capture->image.pixels[pixel].disparity, drawn);
+			meshing->error_px[pixel] = fminf(meshing->error_px[pixel], (float)error);
+		}
+	}
+}
+
+/* Draws the capture's patches and compares every pixel that is to be shown. */
+static void measure(struct meshing *meshing, size_t first_patch, struct impostor_mesh *mesh)
+{
+	for (uint32_t i = 0; i < meshing->width * meshing->height; i++)
+		meshing->error_px[i] = INFINITY;
+	for (size_t i = first_patch; i < mesh->patches.count; i++) {
+		const struct mesh_patch *patch = &mesh->patches.items[i];
+		for (uint32_t k = 0; k < patch->index_count; k += 3)
+			measure_triangle(meshing, mesh, patch, mesh->indices.items + patch->first_index + k);
+	}
+	uint32_t over = 0;
+	for (uint32_t i = 0; i < meshing->width * meshing->height; i++) {
+		if (!meshing->owned[i])
+			continue;
+		over += (double)meshing->error_px[i] > tau_px(meshing->options);
+		if (isfinite(meshing->error_px[i]))
+			mesh->error_px = fmax(mesh->error_px, (double)meshing->error_px[i]);
+	}
+	mesh->over_share = fmax(mesh->over_share, (double)over / meshing->pixels);
+}
+
+static void cut_back(struct impostor_mesh *mesh, const struct impostor_mesh *to)
+{
+	mesh->vertices.count = to->vertices.count;
+	mesh->indices.count = to->indices.count;
+	mesh->patches.count = to->patches.count;
+	mesh->texels.count = to->texels.count;
+}
+
+void impostor_mesh_add(struct impostor_mesh *mesh, const struct view_cell *cell, const struct impostor_capture *capture,
+	const uint8_t *owner, uint8_t view, const struct impostor_options *options)
+{
+	struct meshing meshing = {
+		.capture = capture, .options = options, .width = capture->image.view.width, .height = capture->image.view.height
+	};
+	meshing.owned = image_bytes(&meshing, 1);
+	meshing.open_below = image_bytes(&meshing, 1);
+	find_owned(&meshing, owner);
+	if (meshing.pixels) {
+		meshing.tolerance = image_bytes(&meshing, sizeof(float));
+		meshing.scaled = image_bytes(&meshing, sizeof(float));
+		meshing.error_px = image_bytes(&meshing, sizeof(float));
+		displacement_init(
+			&meshing.displacement, cell, &capture->image.view, options->focal_px, (double)largest_disparity(&meshing));
+		find_tolerances(&meshing);
+		struct impostor_mesh before = *mesh;
+		size_t limit = SIZE_MAX, used = before.indices.count / 3;
+		if (options->triangles_max)
+			limit = options->triangles_max > used + TRIANGLES_MIN ? options->triangles_max : used + TRIANGLES_MIN;
+		double factor = 1;
+		for (int i = 0; i < TRIES; i++, factor *= COARSER) {
+			cut_back(mesh, &before);
+			mesh_once(&meshing, factor, view, mesh);
+			if (mesh->indices.count / 3 <= limit)
+				break;
+		}
+		measure(&meshing, before.patches.count, mesh);
+		displacement_finish(&meshing.displacement);
+	}
+	sheet_mesher_finish(&meshing.mesher);
+	array_free(meshing.owned);
+	array_free(meshing.open_below);
+	array_free(meshing.tolerance);
+	array_free(meshing.scaled);
+	array_free(meshing.error_px);
+}
+
+void impostor_mesh_finish(struct impostor_mesh *mesh)
+{
+	ARRAY_FINISH(&mesh->vertices);
+	ARRAY_FINISH(&mesh->indices);
+	ARRAY_FINISH(&mesh->patches);
+	ARRAY_FINISH(&mesh->texels);
+}

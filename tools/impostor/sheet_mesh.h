@@ -1,0 +1,61 @@
+/*
+ * Triangles of one sheet of surfaces.
+ *
+ * The sheet's pixels are taken alone. They are first spread: some pixels under whatever is nearer, and down to where
+ * the near ground will be (`guard_px`), so that parallax uncovers a continuation and no hole; and by a ring of
+ * `slack_px` on all sides. The contour may then be simplified by as much as the ring is wide without losing a pixel;
+ * what is too much is cut out by the texture. Borders between the sheet's surfaces are simplified by inner_px. An exact
+ * constrained Delaunay triangulation on a lattice of MESH_LATTICE points a pixel has all of them as segments; its faces
+ * take the surface of most of their pixels.
+ */
+#ifndef BLVD_TOOLS_IMPOSTOR_SHEET_MESH_H
+#define BLVD_TOOLS_IMPOSTOR_SHEET_MESH_H
+
+#include "tools/impostor/cdt.h"
+#include "tools/impostor/contours.h"
+#include "tools/impostor/impostor.h"
+#include "tools/impostor/sheets.h"
+#include "tools/impostor/simplify.h"
+
+#define MESH_LATTICE 8
+#define MESH_PATCH_PX 248u /* largest side of a patch: a page with a border */
+
+struct sheet_options {
+	uint32_t guard_px, slack_px;
+	double inner_px;
+	uint8_t view;
+};
+/* What all sheets of a capture share. */
+struct sheet_source {
+	const struct capture_image *image;
+	const struct surfaces *surfaces;
+	const struct sheets *sheets;
+	const float *tolerance;    /* of disparity, at owned pixels */
+	const uint8_t *open_below; /* not 0: nothing here and in all pixels below */
+	struct sheet_options options;
+};
+/* Scratch, kept from sheet to sheet; zeroed to start with. */
+struct sheet_mesher {
+	int32_t x, y; /* of the window's first pixel in the image; may be negative */
+	uint32_t width, height;
+	ARRAY(uint32_t) label; /* of the window: surface + 1 */
+	ARRAY(uint32_t) front, next_front;
+	struct contours contours;
+	struct simplifier simplifier;
+	struct cdt cdt;
+	ARRAY(uint32_t) face;    /* by triangle, then the surface + 1 of its face */
+	ARRAY(uint32_t) members; /* triangles of a face */
+	ARRAY(uint32_t) votes;   /* by surface */
+	ARRAY(uint32_t) stamp;   /* by point */
+	ARRAY(double) disparity; /* by point: sum, then mean */
+	ARRAY(uint32_t) sharing; /* by point: surfaces in the sum */
+	ARRAY(uint64_t) order;
+	uint64_t cuts; /* points made where chains crossed, of all sheets so far */
+};
+
+/* Appends the sheet's patches. */
+void sheet_mesh(
+	struct sheet_mesher *mesher, const struct sheet_source *source, uint32_t sheet, struct impostor_mesh *mesh);
+void sheet_mesher_finish(struct sheet_mesher *mesher);
+
+#endif

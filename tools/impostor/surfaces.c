@@ -1,0 +1,321 @@
+/*
+ * Joining of seeds, best fit first: a heap of borders keyed by the largest residual that the union would have. A border
+ * is looked at again only when it comes up, so a join costs no look at the neighbours' neighbours; a union that does
+ * not fit is not tried again, as more pixels will not make it fit. About 0.5 us a trial.
+ */
+#include "tools/impostor/surfaces.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "tools/impostor/surface_seeds.h"
+
+#define TINY_PX 16  /* regions up to this may join across kinds and normals: light is theirs by a few pixels only */
+#define SMALL_PX 48 /* up to this across normals */
+#define NORMALS_DOT 0.96f /* else, as near as this */
+#define STALE_SLACK 1.1   /* a border that got this much worse since it was queued goes back in the queue */
+
+struct candidate {
+	float error;
+	uint32_t a, b; /* regions when queued */
+};
+struct merger {
+	struct surface_seeds seeds;
+	ARRAY(uint32_t) parent;  /* of seeds; roots are regions */
+	ARRAY(uint32_t) largest; /* pixels of the part whose kind and normal a region has */
+	ARRAY(struct candidate) heap;
+	struct borders borders;
+};
+
+static uint32_t region_of(struct merger *merger, uint32_t seed)
+{
+	uint32_t *parent = merger->parent.items;
+	while (parent[seed] != seed)
+		seed = parent[seed] = parent[parent[seed]];
+	return seed;
+}
+
+static bool before(const struct candidate *a, const struct candidate *b)
+{
+	if (a->error != b->error)
+		return a->error < b->error;
+	return a->a != b->a ? a->a < b->a : a->b < b->b;
+}
+
+static void push(struct merger *merger, struct candidate candidate)
+{
+	ARRAY_PUSH(&merger->heap, candidate);
+	struct candidate *heap = merger->heap.items;
+	size_t at = merger->heap.count - 1;
+	for (; at && before(&candidate, &heap[(at - 1) / 2]); at = (at - 1) / 2)
+		heap[at] = heap[(at - 1) / 2];
+	heap[at] = candidate;
+}
+
+static struct candidate pop(struct merger *merger)
+{
+	struct candidate *heap = merger->heap.items, top = heap[0];
+	size_t count = --merger->heap.count, at = 0;
+	struct candidate last = heap[count];
+	for (size_t child; (child = 2 * at + 1) < count; at = child) {
+		if (child + 1 < count && before(&heap[child + 1], &heap[child]))
+			child++;
+		if (!before(&heap[child], &last))
+			break;
+		heap[at] = heap[child];
+	}
+	if (count)
+		heap[at] = last;
+	return top;
+}
+
+/* Kinds that are lit alike. */
+static int light_class(uint8_t kind)
+{
+	switch (kind) {
+	case PKG_MATERIAL_MARKING:
+		return PKG_MATERIAL_GROUND;
+	case PKG_MATERIAL_ROOF:
+		return PKG_MATERIAL_SOLID;
+	default:
+		return kind;
+	}
+}
+
+static void normal_of(const int8_t oct[2], float out[3])
+{
+	float x = (float)oct[0] / 127, y = (float)oct[1] / 127, z = 1 - fabsf(x) - fabsf(y);
+	if (z < 0) {
+		float folded = (1 - fabsf(y)) * (x < 0 ? -1.0f : 1.0f);
+		y = (1 - fabsf(x)) * (y < 0 ? -1.0f : 1.0f);
+		x = folded;
+	}
+	float scale = 1 / sqrtf(x * x + y * y + z * z);
+	out[0] = x * scale;
+	out[1] = y * scale;
+	out[2] = z * scale;
+}
+
+static bool may_join(const struct merger *merger, uint32_t a, uint32_t b)
+{
+	uint32_t pixels_a = merger->seeds.fits.items[a].pixels, pixels_b = merger->seeds.fits.items[b].pixels;
+	uint32_t smaller = pixels_a < pixels_b ? pixels_a : pixels_b;
+	if (smaller <= TINY_PX)
+		return true;
+	const struct capture_pixel *kind_a = &merger->seeds.kinds.items[a], *kind_b = &merger->seeds.kinds.items[b];
+	if (light_class(kind_a->kind) != light_class(kind_b->kind))
+		return false;
+	if (smaller <= SMALL_PX || memcmp(kind_a->normal_oct, kind_b->normal_oct, 2) == 0)
+		return true;
+	float normal_a[3], normal_b[3];
+	normal_of(kind_a->normal_oct, normal_a);
+	normal_of(kind_b->normal_oct, normal_b);
+	return normal_a[0] * normal_b[0] + normal_a[1] * normal_b[1] + normal_a[2] * normal_b[2] >= NORMALS_DOT;
+}
+
+static void join(struct merger *merger, uint32_t a, uint32_t b, const struct plane *plane)
+{
+	if (b < a) {
+		uint32_t swap = a;
+		a = b;
+		b = swap;
+	}
+	merger->parent.items[b] = a;
+	if (merger->largest.items[b] > merger->largest.items[a]) {
+		merger->largest.items[a] = merger->largest.items[b];
+		merger->seeds.kinds.items[a] = merger->seeds.kinds.items[b];
+	}
+	plane_fit_join(&merger->seeds.fits.items[a], &merger->seeds.fits.items[b], plane);
+}
+
+static void try_border(struct merger *merger, uint32_t a, uint32_t b)
+{
+	if (!may_join(merger, a, b))
+		return;
+	double error;
+	plane_fit_try(&merger->seeds.fits.items[a], &merger->seeds.fits.items[b], &error);
+	if (error <= 1)
+		push(merger, (struct candidate){ (float)error, a, b });
+}
+
+static void join_what_fits(struct merger *merger)
+{
+	for (size_t i = 0; i < merger->borders.items.count; i++)
+		try_border(merger, merger->borders.items.items[i].a - 1, merger->borders.items.items[i].b - 1);
+	while (merger->heap.count) {
+		struct candidate top = pop(merger);
+		uint32_t a = region_of(merger, top.a), b = region_of(merger, top.b);
+		if (a == b || !may_join(merger, a, b))
+			continue;
+		double error;
+		struct plane plane = plane_fit_try(&merger->seeds.fits.items[a], &merger->seeds.fits.items[b], &error);
+		if (error > 1)
+			continue;
+		if (error > STALE_SLACK * (double)top.error + 0.01)
+			push(merger, (struct candidate){ (float)error, a, b });
+		else
+			join(merger, a, b, &plane);
+	}
+}
+
+/* Replaces seeds by their regions, numbered in the order of their roots. */
+static void relabel(struct merger *merger, uint32_t *label, size_t count)
+{
+	ARRAY(uint32_t) number = { 0 };
+	ARRAY_RESERVE(&number, merger->parent.count + 1);
+	uint32_t known = 0, seeds = (uint32_t)merger->parent.count;
+	for (uint32_t i = 0; i < seeds; i++)
+		if (merger->parent.items[i] == i && merger->seeds.fits.items[i].pixels)
+			number.items[i] = known++;
+	for (size_t i = 0; i < count; i++)
+		if (label[i])
+			label[i] = number.items[region_of(merger, label[i] - 1)] + 1;
+	for (uint32_t i = 0, to = 0; i < seeds; i++) {
+		if (merger->parent.items[i] != i || !merger->seeds.fits.items[i].pixels)
+			continue;
+		merger->seeds.fits.items[to] = merger->seeds.fits.items[i];
+		merger->seeds.kinds.items[to] = merger->seeds.kinds.items[i];
+		merger->largest.items[to++] = merger->largest.items[i];
+	}
+	merger->seeds.fits.count = merger->seeds.kinds.count = merger->largest.count = merger->parent.count = known;
+	for (uint32_t i = 0; i < known; i++)
+		merger->parent.items[i] = i;
+	ARRAY_FINISH(&number);
+}
+
+struct small {
+	uint32_t pixels, region;
+};
+
+static int by_pixels(const void *left, const void *right)
+{
+	const struct small *a = left, *b = right;
+	if (a->pixels != b->pixels)
+		return a->pixels < b->pixels ? -1 : 1;
+	return (a->region > b->region) - (a->region < b->region);
+}
+
+/* The neighbour whose plane fits a region's pixels best. */
+struct host {
+	uint32_t region;
+	double error;
+};
+
+static void swallow(struct merger *merger, const struct surfaces_input *input, uint64_t owned)
+{
+	ARRAY(struct small) smalls = { 0 };
+	ARRAY(uint32_t) first = { 0 }; /* border sides by region, compressed rows */
+	ARRAY(uint32_t) beside = { 0 };
+	size_t regions = merger->parent.count;
+	ARRAY_RESERVE(&first, regions + 2);
+	memset(first.items, 0, (regions + 2) * sizeof(uint32_t));
+	for (size_t i = 0; i < merger->borders.items.count; i++) {
+		first.items[merger->borders.items.items[i].a]++;
+		first.items[merger->borders.items.items[i].b]++;
+	}
+	for (size_t i = 1; i <= regions; i++)
+		first.items[i] += first.items[i - 1];
+	ARRAY_RESERVE(&beside, 2 * merger->borders.items.count + 1);
+	for (size_t i = merger->borders.items.count; i-- > 0;) {
+		const struct border *border = &merger->borders.items.items[i];
+		beside.items[--first.items[border->a]] = border->b - 1;
+		beside.items[--first.items[border->b]] = border->a - 1;
+	}
+	first.items[regions + 1] = (uint32_t)(2 * merger->borders.items.count);
+	for (uint32_t i = 0; i < regions; i++)
+		if (merger->seeds.fits.items[i].pixels <= input->swallow_px)
+			ARRAY_PUSH(&smalls, (struct small){ merger->seeds.fits.items[i].pixels, i });
+	ARRAY_SORT(&smalls, by_pixels);
+	double allowance = input->swallow_share * (double)owned;
+	for (size_t i = 0; i < smalls.count; i++) {
+		uint32_t region = smalls.items[i].region;
+		if (region_of(merger, region) != region)
+			continue;
+		const struct plane_fit *fit = &merger->seeds.fits.items[region];
+		struct host host = { UINT32_MAX, INFINITY };
+		for (uint32_t k = first.items[region + 1]; k < first.items[region + 2]; k++) {
+			uint32_t other = region_of(merger, beside.items[k]);
+			if (other == region)
+				continue;
+			struct plane plane = plane_fit_solve(&merger->seeds.fits.items[other]);
+			double error = plane_fit_error(fit, &plane);
+			if (error < host.error)
+				host = (struct host){ other, error };
+		}
+		if (host.region == UINT32_MAX || (host.error > 1 && fit->pixels > allowance))
+			continue;
+		if (host.error > 1)
+			allowance -= fit->pixels;
+		/* The host's plane stays as it is: guests do not bend it. */
+		merger->parent.items[region] = host.region;
+		merger->seeds.fits.items[host.region].pixels += fit->pixels;
+	}
+	ARRAY_FINISH(&smalls);
+	ARRAY_FINISH(&first);
+	ARRAY_FINISH(&beside);
+}
+
+static void describe(struct surfaces *surfaces, const struct merger *merger, const struct capture_pixel *pixels)
+{
+	surfaces->items.count = 0;
+	for (size_t i = 0; i < merger->seeds.fits.count; i++) {
+		const struct capture_pixel *kind = &merger->seeds.kinds.items[i];
+		ARRAY_PUSH(&surfaces->items, (struct surface){ .plane = plane_fit_solve(&merger->seeds.fits.items[i]),
+										 .object = kind->object,
+										 .normal_oct = { kind->normal_oct[0], kind->normal_oct[1] },
+										 .kind = kind->kind,
+										 .least_disparity = INFINITY,
+										 .min_x = UINT16_MAX,
+										 .min_y = UINT16_MAX });
+	}
+	for (uint32_t y = 0, i = 0; y < surfaces->height; y++) {
+		for (uint32_t x = 0; x < surfaces->width; x++, i++) {
+			if (!surfaces->label[i])
+				continue;
+			struct surface *surface = &surfaces->items.items[surfaces->label[i] - 1];
+			surface->pixels++;
+			surface->least_disparity = fminf(surface->least_disparity, pixels[i].disparity);
+			surface->min_x = (uint16_t)(x < surface->min_x ? x : surface->min_x);
+			surface->max_x = (uint16_t)(x > surface->max_x ? x : surface->max_x);
+			surface->min_y = (uint16_t)(y < surface->min_y ? y : surface->min_y);
+			surface->max_y = (uint16_t)(y > surface->max_y ? y : surface->max_y);
+		}
+	}
+}
+
+void surfaces_find(struct surfaces *surfaces, const struct surfaces_input *input)
+{
+	const struct capture_view *view = &input->image->view;
+	*surfaces = (struct surfaces){ .width = view->width, .height = view->height };
+	size_t count = (size_t)view->width * view->height, capacity = 0;
+	surfaces->label = array_grow(NULL, &capacity, count + 1, sizeof(*surfaces->label));
+	struct merger merger = { 0 };
+	surface_seeds_find(&merger.seeds, input, surfaces->label);
+	uint64_t owned = 0;
+	for (uint32_t i = 0; i < merger.seeds.fits.count; i++) {
+		ARRAY_PUSH(&merger.parent, i);
+		ARRAY_PUSH(&merger.largest, merger.seeds.fits.items[i].pixels);
+		owned += merger.seeds.fits.items[i].pixels;
+	}
+	relabel(&merger, surfaces->label, count);
+	borders_find(&merger.borders, surfaces->label, view->width, view->height);
+	join_what_fits(&merger);
+	relabel(&merger, surfaces->label, count);
+	borders_find(&merger.borders, surfaces->label, view->width, view->height);
+	swallow(&merger, input, owned);
+	relabel(&merger, surfaces->label, count);
+	describe(surfaces, &merger, input->image->pixels);
+	ARRAY_FINISH(&merger.parent);
+	ARRAY_FINISH(&merger.largest);
+	ARRAY_FINISH(&merger.heap);
+	borders_finish(&merger.borders);
+	surface_seeds_finish(&merger.seeds);
+}
+
+void surfaces_finish(struct surfaces *surfaces)
+{
+	array_free(surfaces->label);
+	ARRAY_FINISH(&surfaces->items);
+	*surfaces = (struct surfaces){ 0 };
+}
