@@ -220,11 +220,3 @@ void impostor_mesh_add(struct impostor_mesh *mesh, const struct view_cell *cell,
 	array_free(meshing.scaled);
 	array_free(meshing.error_px);
 }
-
-void impostor_mesh_finish(struct impostor_mesh *mesh)
-{
-	ARRAY_FINISH(&mesh->vertices);
-	ARRAY_FINISH(&mesh->indices);
-	ARRAY_FINISH(&mesh->patches);
-	ARRAY_FINISH(&mesh->texels);
-}
