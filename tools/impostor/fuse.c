@@ -1,7 +1,10 @@
 /*
  * What a capture has to add. A pixel is left to an earlier capture that shows its point: the same object, facing the
  * same way, at a disparity that moves it by less than tau anywhere in the view cell, and sharp enough there. A wall
- * that an earlier capture grazes is worth a second look. About 30 ns a pixel and capture.
+ * that an earlier capture grazes is worth a second look.
+ *
+ * Every second pixel of every second row is judged first; what lies between four that are shown, on one object, is
+ * shown. About 20 ns a pixel.
  */
 #include <string.h>
 
@@ -34,6 +37,7 @@ struct fusion {
 	double focal_px; /* of the screen, times texels a pixel */
 	struct earlier *earlier;
 	size_t earlier_count;
+	size_t last; /* earlier capture that showed the last pixel: most likely it shows the next one */
 };
 
 static bool is_wanted(const struct impostor_capture *capture, size_t i)
@@ -73,7 +77,9 @@ static bool has_surface(const struct earlier *earlier, const double at[3], const
 {
 	const struct capture_image *image = &earlier->capture->image;
 	int width = (int)image->view.width, height = (int)image->view.height;
-	int x = (int)floor(fmin(fmax(at[0], -2), width + 1)), y = (int)floor(fmin(fmax(at[1], -2), height + 1));
+	if (!(at[0] > -1 && at[1] > -1 && at[0] < width + 1 && at[1] < height + 1))
+		return false;
+	int x = (int)(at[0] + 1) - 1, y = (int)(at[1] + 1) - 1;
 	double low = INFINITY, high = -INFINITY;
 	for (int row = y < 1 ? 0 : y - 1; row <= y + 1 && row < height; row++) {
 		for (int column = x < 1 ? 0 : x - 1; column <= x + 1 && column < width; column++) {
@@ -82,8 +88,8 @@ static bool has_surface(const struct earlier *earlier, const double at[3], const
 			if (there->object != pixel->object || !is_wanted(earlier->capture, i) ||
 				!surface_normals_agree(there->normal_oct, pixel->normal_oct))
 				continue;
-			low = fmin(low, there->disparity);
-			high = fmax(high, there->disparity);
+			low = there->disparity < low ? there->disparity : low;
+			high = there->disparity > high ? there->disparity : high;
 		}
 	}
 	if (!(low <= high))
@@ -94,27 +100,58 @@ static bool has_surface(const struct earlier *earlier, const double at[3], const
 	return at[2] >= low - tolerance && at[2] <= high + tolerance;
 }
 
-static bool is_shown(const struct fusion *fusion, double x, double y, const struct capture_pixel *pixel)
+static bool is_shown(struct fusion *fusion, double x, double y, const struct capture_pixel *pixel)
 {
 	struct dvec3 point = capture_point(&fusion->capture->image.view, x, y, pixel->disparity);
-	for (size_t k = 0; k < fusion->earlier_count; k++) {
+	for (size_t n = 0; n < fusion->earlier_count; n++) {
+		size_t k = n ? n - (n <= fusion->last) : fusion->last; /* the last first, the others in order */
 		const struct earlier *earlier = &fusion->earlier[k];
 		double at[3];
-		if (reproject(&earlier->map, x, y, pixel->disparity, at) && has_surface(earlier, at, pixel) &&
-			is_sharp_enough(fusion, earlier, point, pixel))
-			return true;
+		if (!reproject(&earlier->map, x, y, pixel->disparity, at) || !has_surface(earlier, at, pixel) ||
+			!is_sharp_enough(fusion, earlier, point, pixel))
+			continue;
+		fusion->last = k;
+		return true;
 	}
 	return false;
 }
 
-static void judge(const struct fusion *fusion, uint8_t *states)
+static uint8_t state_of(struct fusion *fusion, uint32_t x, uint32_t y, size_t i)
+{
+	if (!is_wanted(fusion->capture, i))
+		return EMPTY;
+	return is_shown(fusion, x + 0.5, y + 0.5, &fusion->capture->image.pixels[i]) ? SHOWN : OWNED;
+}
+
+/* Are the even pixels around this one shown, and of its object? */
+static bool is_amid_shown(const struct fusion *fusion, const uint8_t *states, uint32_t x, uint32_t y)
 {
 	const struct capture_image *image = &fusion->capture->image;
-	for (uint32_t y = 0, i = 0; y < image->view.height; y++)
-		for (uint32_t x = 0; x < image->view.width; x++, i++)
-			states[i] = !is_wanted(fusion->capture, i)                          ? EMPTY
-						: is_shown(fusion, x + 0.5, y + 0.5, &image->pixels[i]) ? SHOWN
-																				: OWNED;
+	uint32_t width = image->view.width, right = x + x % 2, below = y + y % 2;
+	if (right >= width || below >= image->view.height)
+		return false;
+	uint32_t object = image->pixels[(size_t)y * width + x].object;
+	for (int n = 0; n < 4; n++) {
+		size_t i = (size_t)(n / 2 ? below : y - y % 2) * width + (n % 2 ? right : x - x % 2);
+		if (states[i] != SHOWN || image->pixels[i].object != object)
+			return false;
+	}
+	return true;
+}
+
+static void judge(struct fusion *fusion, uint8_t *states)
+{
+	uint32_t width = fusion->capture->image.view.width, height = fusion->capture->image.view.height;
+	for (uint32_t y = 0; y < height; y += 2)
+		for (uint32_t x = 0; x < width; x += 2)
+			states[(size_t)y * width + x] = state_of(fusion, x, y, (size_t)y * width + x);
+	for (uint32_t y = 0; y < height; y++) {
+		for (uint32_t x = 1 - y % 2; x < width; x += 2 - y % 2) {
+			size_t i = (size_t)y * width + x;
+			bool is_between = is_wanted(fusion->capture, i) && is_amid_shown(fusion, states, x, y);
+			states[i] = is_between ? SHOWN : state_of(fusion, x, y, i);
+		}
+	}
 }
 
 /* Is a neighbour of pixel i in this state, and the same surface? */
@@ -180,19 +217,42 @@ static void drop_specks(const struct fusion *fusion, const uint8_t *states, uint
 	pool_finish(&pool);
 }
 
+/* Owns the neighbours that go on the surface of pixel i, and notes them. */
+static void spread(const struct fusion *fusion, uint8_t *owner, uint32_t i, pixel_list *reached)
+{
+	const struct capture_image *image = &fusion->capture->image;
+	uint32_t width = image->view.width, x = i % width, y = i / width;
+	double tolerance = -1;
+	for (uint32_t n = 0; n < 9; n++) {
+		uint32_t column = x + n % 3 - 1, row = y + n / 3 - 1, k = row * width + column;
+		if (column >= width || row >= image->view.height || owner[k] || !image->pixels[k].object)
+			continue;
+		if (tolerance < 0)
+			tolerance =
+				fusion->tau_px * parallax_tolerance(&fusion->parallax, x + 0.5, y + 0.5, image->pixels[i].disparity);
+		if (!surface_continues(&image->pixels[i], &image->pixels[k], tolerance))
+			continue;
+		owner[k] = 1;
+		ARRAY_PUSH(reached, k);
+	}
+}
+
 /* Grows what is owned along its surfaces into what others show. */
 static void overlap(const struct fusion *fusion, uint8_t *owner)
 {
-	size_t count = (size_t)fusion->capture->image.view.width * fusion->capture->image.view.height;
-	struct pool pool = { 0 };
-	uint8_t *before = POOL_ARRAY(&pool, uint8_t, count);
+	uint32_t count = fusion->capture->image.view.width * fusion->capture->image.view.height;
+	pixel_list lists[2] = { 0 };
+	for (uint32_t i = 0; i < count; i++)
+		if (owner[i])
+			ARRAY_PUSH(&lists[0], i);
 	for (int round = 0; round < OVERLAP_PX; round++) {
-		memcpy(before, owner, count);
-		for (size_t i = 0; i < count; i++)
-			if (!before[i] && fusion->capture->image.pixels[i].object)
-				owner[i] = touches(fusion, before, i, 1);
+		pixel_list *from = &lists[round % 2], *to = &lists[1 - round % 2];
+		to->count = 0;
+		for (size_t n = 0; n < from->count; n++)
+			spread(fusion, owner, from->items[n], to);
 	}
-	pool_finish(&pool);
+	ARRAY_FINISH(&lists[0]);
+	ARRAY_FINISH(&lists[1]);
 }
 
 void impostor_fuse(const struct view_cell *cell, const struct impostor_capture *captures, size_t which,
