@@ -136,7 +136,6 @@ static int open_display(struct machine *m)
 static int open_renderer(struct machine *m)
 {
 	struct options *o = &m->options;
-	const char *far_name = o->far_name && strcmp(o->far_name, "auto") != 0 ? o->far_name : "full";
 	static const enum wording_units units[] = {
 		[PROFILE_UNITS_AUTO] = UNITS_AUTO,
 		[PROFILE_UNITS_METRIC] = UNITS_METRIC,
@@ -147,7 +146,9 @@ static int open_renderer(struct machine *m)
 		.height = o->height,
 		.samples = o->samples > 0 ? (uint32_t)o->samples : 1,
 		.gpu_budget_bytes = m->gpu_bytes,
-		.far_name = far_name,
+		.far_name = o->far_name ? o->far_name : "auto",
+		.tau_px = o->tau_px,
+		.deterministic = m->simulated,
 		.get_proc = display_get_proc,
 		.overlay = true,
 		.overlay_config = {
@@ -156,7 +157,6 @@ static int open_renderer(struct machine *m)
 			.utc_offset_minutes = (int32_t)m->pkg.meta->utc_offset_minutes,
 		},
 	};
-	m->stats.far_name = far_name;
 	int status = renderer_init(&m->renderer, &m->boot, &config, &m->pkg);
 	if (status == -ENOMEM)
 		log_error("the budget of %llu MiB is too small for %s at %u x %u", (unsigned long long)(o->budget_bytes >> 20),
@@ -219,6 +219,7 @@ static void gather_stats(struct machine *m)
 	renderer_stats(m->renderer, &drawn);
 	struct stats *s = &m->stats;
 	s->renderer = drawn.gl_renderer;
+	s->far_name = drawn.far_name;
 	s->width = m->options.width;
 	s->height = m->options.height;
 	s->samples = drawn.samples;
@@ -295,9 +296,14 @@ static void count_frame(struct machine *m, int64_t took_ns, const struct nav_vie
 	histogram_add(&s->far_triangles, drawn.far_triangles);
 	histogram_add(&s->draws, drawn.draws);
 	s->late_frames += took_ns > NS_PER_S / m->options.fps;
-	s->fallback_frames += drawn.chunks_wanted_missing > 0;
+	s->fallback_frames += drawn.far_fallback;
+	s->late_cell_frames += drawn.far_late;
+	if (drawn.far_error_px > s->far_error_px)
+		s->far_error_px = drawn.far_error_px;
 	s->off_street_frames += view->located && !view->on_street;
-	if (view->located && view->half != m->last_half) {
+	if (drawn.far_entered) {
+		s->cells_entered = drawn.far_entered;
+	} else if (view->located && view->half != m->last_half) {
 		s->cells_entered++;
 		m->last_half = view->half;
 	}

@@ -42,7 +42,7 @@ static const struct argp_option option_table[] = {
 	{ "fps", OPT_FPS, "N", 0, "frames a second", 0 },
 	{ "profile", OPT_PROFILE, "FILE", 0, "board profile; options override it", 0 },
 	{ "dbc", OPT_DBC, "FILE", 0, "signal definitions; repeat for more", 0 },
-	{ "far", OPT_FAR, "NAME", 0, "representation of what is far: auto, full, none", 0 },
+	{ "far", OPT_FAR, "NAME", 0, "representation of what is far: auto, full, none, pvs, impostor", 0 },
 	{ "tau", OPT_TAU, "PX", 0, "accuracy asked for; default 1", 0 },
 	{ "budget", OPT_BUDGET, "MIB", 0, "memory budget; default from the profile", 0 },
 	{ "frames", OPT_FRAMES, "DIR", 0, "write frames as PNG", 0 },

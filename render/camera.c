@@ -213,6 +213,20 @@ static struct mat4 projection(const struct view *view, double near_m, double far
 	return mat4_mul(&clip, &axes);
 }
 
+void camera_split(struct view *view, double split_m, double far_m)
+{
+	double near_m = 0.35;
+	view->slice[VIEW_NEAR] = (struct view_slice){ .near_m = (float)near_m,
+		.far_m = (float)(split_m * (1.0 + SLICE_OVERLAP)),
+		.depth_near = 0.0f,
+		.depth_far = 0.5f };
+	view->slice[VIEW_FAR] = (struct view_slice){
+		.near_m = (float)(split_m * (1.0 - SLICE_OVERLAP)), .far_m = (float)far_m, .depth_near = 0.5f, .depth_far = 1.0f
+	};
+	for (int i = 0; i < VIEW_SLICE_COUNT; i++)
+		view->slice[i].clip_from_eye = projection(view, view->slice[i].near_m, view->slice[i].far_m);
+}
+
 void camera_view(
 	const struct camera_pose *pose, uint32_t width, uint32_t height, double split_m, double far_m, struct view *out)
 {
@@ -230,16 +244,7 @@ void camera_view(
 	out->tan_half_y = (float)tan_y;
 	out->tan_half_x = (float)(tan_y * width / height);
 	out->focal_px = (float)(height / 2.0 / tan_y);
-	double near_m = 0.35;
-	out->slice[VIEW_NEAR] = (struct view_slice){ .near_m = (float)near_m,
-		.far_m = (float)(split_m * (1.0 + SLICE_OVERLAP)),
-		.depth_near = 0.0f,
-		.depth_far = 0.5f };
-	out->slice[VIEW_FAR] = (struct view_slice){
-		.near_m = (float)(split_m * (1.0 - SLICE_OVERLAP)), .far_m = (float)far_m, .depth_near = 0.5f, .depth_far = 1.0f
-	};
-	for (int i = 0; i < VIEW_SLICE_COUNT; i++)
-		out->slice[i].clip_from_eye = projection(out, out->slice[i].near_m, out->slice[i].far_m);
+	camera_split(out, split_m, far_m);
 }
 
 /* Is the box's corner farthest along `normal` still behind the plane through the eye? */

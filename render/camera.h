@@ -65,6 +65,9 @@ void camera_follow(struct camera *camera, const struct nav_view *nav, const stru
 void camera_view(
 	const struct camera_pose *pose, uint32_t width, uint32_t height, double split_m, double far_m, struct view *out);
 
+/* Moves the place where a view's slices meet. */
+void camera_split(struct view *view, double split_m, double far_m);
+
 /* Frustum against an eye-relative box (metres): false only when it is certainly outside. */
 bool view_sees_box(const struct view *view, struct vec3 min, struct vec3 max);
 

@@ -7,14 +7,25 @@
 
 #include <stdint.h>
 
+#include "assets/cell_cache.h"
 #include "assets/pkg_format.h"
 #include "platform/base/arena.h"
+#include "render/gfx.h"
 #include "render/view.h"
+
+/* Indices on the GPU that are not a chunk's own: a cell's set of triangles. */
+struct draw_set {
+	gfx_buffer indices, vertices;       /* no vertices: those of the chunks */
+	uint32_t first_index, first_vertex; /* of the set, in the buffers */
+	const struct cell_set *cells;
+};
 
 struct draw_item {
 	uint64_t key;
+	const struct draw_set *set; /* NULL: the chunk's own indices. Borrowed until the frame has been drawn */
+	uint32_t range;             /* of the set */
 	uint32_t chunk;
-	uint32_t first, count; /* indices, from the chunk's first */
+	uint32_t first, count; /* indices, from the chunk's first, or the set's */
 	uint8_t slice;         /* enum view_slice_id */
 	uint8_t pass;          /* enum pkg_pass */
 	uint8_t look;          /* enum city_look */

@@ -1,6 +1,4 @@
 /* The two plain representations: everything in view as its own triangles, and nothing beyond the near slice. */
-#include <string.h>
-
 #include "render/repr.h"
 
 static int plain_init(struct repr *repr, struct arena *arena)
@@ -15,10 +13,10 @@ static void plain_finish(struct repr *repr)
 	(void)repr;
 }
 
-static void plain_select(struct repr *repr, const struct view *view)
+static void plain_select(struct repr *repr, const struct repr_place *place)
 {
 	(void)repr;
-	(void)view;
+	(void)place;
 }
 
 static uint64_t plain_bytes(const struct repr *repr)
@@ -33,29 +31,41 @@ static double plain_error_px(const struct repr *repr)
 	return 0.0;
 }
 
-static void full_emit(
-	struct repr *repr, const struct view *view, const struct visible_set *visible, struct draw_list *list)
+static void find(struct repr *repr, const struct view *view)
 {
-	for (uint32_t i = 0; i < visible->count; i++) {
-		const struct visible_chunk *chunk = &visible->items[i];
-		if (chunk->farthest_m > view->slice[VIEW_FAR].near_m)
-			near_mesh_emit(
-				repr->mesh, repr->fade, list, chunk->whole ? NULL : view, chunk->chunk, VIEW_FAR, chunk->nearest_m);
-	}
+	visible_find(repr->visible, repr->mesh, view, repr->config.far_m * 2.0);
+}
+
+static void count(struct repr *repr, const struct draw_list *list)
+{
+	repr->counts.triangles = 0;
+	for (uint32_t i = 0; i < list->count; i++)
+		if (list->items[i].slice == VIEW_FAR)
+			repr->counts.triangles += list->items[i].count / 3;
+	repr->counts.missing = repr->visible->missing;
+	repr->counts.fallback = repr->visible->missing > 0;
+	repr->counts.late = repr->counts.fallback;
+}
+
+static void full_emit(struct repr *repr, const struct view *view, struct draw_list *list)
+{
+	find(repr, view);
+	visible_emit(repr->visible, repr->mesh, repr->fade, view, list);
+	count(repr, list);
 }
 
 /* Chunks that begin in the near slice are drawn to their end, so that none is cut in two. */
-static void none_emit(
-	struct repr *repr, const struct view *view, const struct visible_set *visible, struct draw_list *list)
+static void none_emit(struct repr *repr, const struct view *view, struct draw_list *list)
 {
-	for (uint32_t i = 0; i < visible->count; i++) {
-		const struct visible_chunk *chunk = &visible->items[i];
-		bool straddles =
-			chunk->nearest_m <= view->slice[VIEW_NEAR].far_m && chunk->farthest_m > view->slice[VIEW_FAR].near_m;
-		if (straddles)
-			near_mesh_emit(
-				repr->mesh, repr->fade, list, chunk->whole ? NULL : view, chunk->chunk, VIEW_FAR, chunk->nearest_m);
-	}
+	struct visible_set *visible = repr->visible;
+	uint32_t kept = 0;
+	find(repr, view);
+	for (uint32_t i = 0; i < visible->count; i++)
+		if (visible->items[i].nearest_m <= view->slice[VIEW_NEAR].far_m)
+			visible->items[kept++] = visible->items[i];
+	visible->count = kept;
+	visible_emit(visible, repr->mesh, repr->fade, view, list);
+	count(repr, list);
 }
 
 const struct repr_ops repr_full = {
@@ -77,12 +87,3 @@ const struct repr_ops repr_none = {
 	.bytes = plain_bytes,
 	.error_px = plain_error_px,
 };
-
-const struct repr_ops *repr_by_name(const char *name)
-{
-	static const struct repr_ops *const all[] = { &repr_full, &repr_none };
-	for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++)
-		if (!strcmp(all[i]->name, name))
-			return all[i];
-	return NULL;
-}

@@ -60,6 +60,7 @@ static struct renderer_config with_defaults(const struct renderer_config *given)
 	config.far_name = config.far_name ? config.far_name : "full";
 	config.gfx = config.gfx ? config.gfx : &gfx_gles3;
 	config.fov_deg = config.fov_deg > 0.0 ? fmin(120.0, fmax(10.0, config.fov_deg)) : DEFAULT_FOV_DEG;
+	config.tau_px = config.tau_px > 0.0 ? config.tau_px : 1.0;
 	config.far_m = config.far_m > 0.0 ? fmax(config.far_m, SPLIT_M * 2.0) : DEFAULT_FAR_M;
 	return config;
 }
@@ -106,9 +107,18 @@ static struct camera_pose opening_pose(const struct pkg *pkg)
 
 static int make_scene(struct renderer *renderer, struct arena *arena, const struct repr_ops *far_ops)
 {
-	int err = near_mesh_init(&renderer->mesh, arena, renderer->gfx, renderer->pkg, renderer->config.gpu_budget_bytes);
+	const struct renderer_config *config = &renderer->config;
+	struct repr_config repr_config = {
+		.tau_px = config->tau_px,
+		.upload_slice_bytes = config->upload_slice_bytes,
+		.far_m = config->far_m,
+		.deterministic = config->deterministic,
+		.truth = config->truth,
+		.show = config->show,
+	};
+	int err = scene_init(&renderer->scene, arena, renderer->gfx, &renderer->mesh, renderer->pkg, far_ops, &repr_config);
 	if (!err)
-		err = scene_init(&renderer->scene, arena, &renderer->mesh, far_ops);
+		err = near_mesh_init(&renderer->mesh, arena, renderer->gfx, renderer->pkg, config->gpu_budget_bytes);
 	if (err)
 		return err;
 	if (renderer->config.overlay)
@@ -133,7 +143,7 @@ int renderer_init(
 		return -ENOMEM;
 	renderer->config = with_defaults(config);
 	renderer->pkg = pkg;
-	const struct repr_ops *far_ops = repr_by_name(renderer->config.far_name);
+	const struct repr_ops *far_ops = repr_by_name(renderer->config.far_name, pkg);
 	if (!far_ops) {
 		log_error("no representation '%s'", renderer->config.far_name);
 		return -EINVAL;
@@ -212,15 +222,23 @@ static void write_frame_block(struct renderer *renderer, const struct renderer_t
 	gfx_buffer_write(renderer->gfx, renderer->frame_block, 0, &block, sizeof(block));
 }
 
-/* After a jump of the eye the frame waits for what it wants; otherwise loading keeps to its slice. */
-static void load(struct renderer *renderer)
+/* What stands for the distance, and the geometry that it leaves to be drawn. After a jump of the eye the frame waits
+ * for what it wants; otherwise loading keeps to its slice. */
+static void load(struct renderer *renderer, const struct nav_view *nav, int64_t time_ns)
 {
 	const int64_t *eye_mm = renderer->view.eye_mm;
 	bool jumped = !renderer->primed;
 	for (int axis = 0; axis < 3; axis++)
 		jumped = jumped || llabs(eye_mm[axis] - renderer->loaded_mm[axis]) > JUMP_MM;
-	near_mesh_load(
-		&renderer->mesh, eye_mm, renderer->config.far_m, jumped ? UINT64_MAX : renderer->config.upload_slice_bytes);
+	struct repr *repr = &renderer->scene.repr;
+	struct repr_place place = { .view = &renderer->view, .nav = nav, .time_ns = time_ns, .jumped = jumped };
+	repr->ops->select(repr, &place);
+	double far_m = renderer->config.far_m;
+	double split_m = repr->ops->split_m ? repr->ops->split_m(repr) : 0.0;
+	if (split_m > 0.0)
+		camera_split(&renderer->view, split_m, far_m);
+	double reach_m = repr->ops->reach_m ? repr->ops->reach_m(repr) : far_m;
+	near_mesh_load(&renderer->mesh, eye_mm, reach_m, jumped ? UINT64_MAX : renderer->config.upload_slice_bytes);
 	memcpy(renderer->loaded_mm, eye_mm, sizeof(renderer->loaded_mm));
 	renderer->primed = true;
 }
@@ -291,6 +309,9 @@ static void draw_pass(struct renderer *renderer, const struct nav_view *nav)
 	struct gfx_clear clear = { .color = true, .depth = true };
 	gfx_pass_begin(gfx, renderer->target, &clear);
 	submit_solid(gfx, &renderer->mesh, &renderer->view, &renderer->scene.list, renderer->frame_block);
+	const struct repr *repr = &renderer->scene.repr;
+	if (repr->ops->draw)
+		repr->ops->draw(repr, &renderer->view, renderer->frame_block);
 	sky_draw(&renderer->sky, &renderer->view, renderer->frame_block);
 	if (overlay)
 		draw_in_slices(renderer, overlay_draw_world);
@@ -316,7 +337,7 @@ static void prepare_frame(struct renderer *renderer, const struct camera_pose *p
 	update_light(renderer, time);
 	gfx_frame_begin(renderer->gfx);
 	write_frame_block(renderer, time);
-	load(renderer);
+	load(renderer, nav, time->time_ns);
 	if (nav && renderer->config.overlay)
 		update_overlay(renderer, nav, time);
 	update_fading(renderer, nav, time->time_ns);
@@ -379,16 +400,23 @@ void renderer_stats(const struct renderer *renderer, struct renderer_stats *out)
 {
 	const struct gfx_stats *gfx = gfx_stats(renderer->gfx);
 	const struct residency *residency = &renderer->mesh.residency;
+	const struct repr_counts *counts = &renderer->scene.repr.counts;
 	*out = (struct renderer_stats){
 		.frames = gfx->frames,
 		.draws = gfx->draws,
 		.triangles = gfx->triangles,
-		.far_triangles = renderer->scene.far_triangles,
+		.far_name = renderer->scene.repr.ops->name,
+		.far_triangles = counts->triangles,
+		.far_fallback = counts->fallback,
+		.far_late = counts->late,
+		.far_entered = counts->entered,
+		.far_error_px = renderer->scene.repr.ops->error_px(&renderer->scene.repr),
+		.far_bytes = renderer->scene.repr.ops->bytes(&renderer->scene.repr),
 		.gpu_bytes = gfx->bytes,
 		.gpu_bytes_high_water = gfx->bytes_high_water,
 		.chunks = renderer->pkg->chunk_count,
 		.chunks_resident = residency->present,
-		.chunks_wanted_missing = renderer->scene.visible.missing,
+		.chunks_wanted_missing = counts->missing,
 		.chunks_damaged = residency->damaged,
 		.chunks_dropped = residency->dropped,
 		.chunks_evicted = residency->evicted,

@@ -15,17 +15,21 @@
 #include "render/camera.h"
 #include "render/gfx.h"
 #include "render/overlay.h"
+#include "render/repr.h"
 
 struct renderer;
 
 /* Zero takes the default. */
 struct renderer_config {
-	uint32_t width, height;                      /* of the picture; required */
-	uint32_t samples;                            /* per pixel; default 4, 1 is none */
-	uint64_t gpu_budget_bytes;                   /* for everything on the GPU; default 512 MiB */
-	uint64_t upload_slice_bytes;                 /* per frame, once drawing; default 4 MiB */
-	const char *far_name;                        /* representation of what is far: "full", "none"; default "full" */
-	const struct gfx_ops *gfx;                   /* default gfx_gles3 */
+	uint32_t width, height;      /* of the picture; required */
+	uint32_t samples;            /* per pixel; default 4, 1 is none */
+	uint64_t gpu_budget_bytes;   /* for everything on the GPU; default 512 MiB */
+	uint64_t upload_slice_bytes; /* per frame, once drawing; default 4 MiB */
+	const char *far_name;        /* of a representation (repr.h), or "auto"; default "full" */
+	double tau_px;               /* accuracy asked for; default 1 */
+	bool deterministic;          /* loading takes the same number of frames, whatever the machine's speed */
+	enum repr_show show;         /* pictures for looking at what is far */
+	const struct gfx_ops *gfx;   /* default gfx_gles3 */
 	void (*(*get_proc)(const char *name))(void); /* display_get_proc, or NULL */
 	bool overlay;                                /* route ribbon, labels, read-outs */
 	struct overlay_config overlay_config;
@@ -37,6 +41,12 @@ struct renderer_config {
 struct renderer_stats {
 	uint64_t frames;
 	uint32_t draws, triangles, far_triangles; /* of the last frame */
+	const char *far_name;                     /* of the representation */
+	bool far_fallback;                        /* something else stood in for what belongs to this place, last frame */
+	bool far_late;                            /* because it was not loaded in time */
+	uint64_t far_entered;                     /* stretches, since start */
+	double far_error_px;                      /* bound of displacement, last frame */
+	uint64_t far_bytes;                       /* on the GPU, of the representation's own */
 	uint64_t gpu_bytes, gpu_bytes_high_water;
 	uint32_t chunks, chunks_resident, chunks_wanted_missing; /* missing ones were in view in the last frame */
 	uint32_t chunks_damaged;                                 /* checksum or index range wrong: never drawn */

@@ -3,6 +3,8 @@
 
 #include <stddef.h>
 
+#include "render/submit.h"
+
 /* u_draw of truth.vert. */
 struct truth_constants {
 	float origin_mm[4];
@@ -83,12 +85,26 @@ static void draw_range(const struct frame_truth *truth, struct gfx_draw *draw, s
 	gfx_draw(truth->gfx, draw);
 }
 
+/* `base` is the index that the item's ranges count from. */
+static void draw_set_item(const struct frame_truth *truth, const struct draw_item *item, struct gfx_draw *draw,
+	struct truth_constants *constants, uint32_t base)
+{
+	const struct cell_range *range = &item->set->cells->ranges[item->range];
+	uint32_t end = item->first + item->count;
+	for (uint32_t i = 0; i < range->part_count; i++) {
+		const struct cell_part *part = &item->set->cells->parts[range->first_part + i];
+		uint32_t first = part->first > item->first ? part->first : item->first;
+		uint32_t stop = part->first + part->count < end ? part->first + part->count : end;
+		if (first < stop)
+			draw_range(truth, draw, constants, part->object + 1, base + first, base + stop);
+	}
+}
+
 /* Objects follow one another in each pass of a chunk. What lies between them is of none. */
-static void draw_item(const struct frame_truth *truth, const struct near_mesh *mesh, const struct draw_item *item,
-	struct gfx_draw *draw, struct truth_constants *constants)
+static void draw_chunk_item(const struct frame_truth *truth, const struct near_mesh *mesh, const struct draw_item *item,
+	struct gfx_draw *draw, struct truth_constants *constants, uint32_t base)
 {
 	const struct pkg_chunk *chunk = &mesh->pkg->chunks[item->chunk];
-	uint32_t base = mesh->residency.chunks[item->chunk].first_index;
 	uint32_t at = item->first, end = item->first + item->count;
 	for (uint32_t i = 0; i < chunk->object_count && at < end; i++) {
 		uint32_t id = chunk->first_object + i;
@@ -118,8 +134,6 @@ void frame_truth_draw_list(const struct frame_truth *truth, const struct near_me
 {
 	struct truth_constants constants = { 0 };
 	struct gfx_draw draw = {
-		.vertices = mesh->vertices,
-		.indices = mesh->indices,
 		.constants = (const float *)&constants,
 		.constant_count = sizeof(constants) / 16,
 	};
@@ -131,8 +145,11 @@ void frame_truth_draw_list(const struct frame_truth *truth, const struct near_me
 		for (int axis = 0; axis < 3; axis++)
 			constants.origin_mm[axis] = (float)(mesh->pkg->chunks[item->chunk].origin_mm[axis] - view->eye_mm[axis]);
 		draw.pipeline = truth->pipelines[item->pass];
-		draw.vertex_offset =
-			mesh->residency.chunks[item->chunk].first_vertex * (uint32_t)sizeof(struct pkg_mesh_vertex);
-		draw_item(truth, mesh, item, &draw, &constants);
+		submit_geometry(&draw, mesh, item);
+		uint32_t base = draw.first - item->first;
+		if (item->set)
+			draw_set_item(truth, item, &draw, &constants, base);
+		else
+			draw_chunk_item(truth, mesh, item, &draw, &constants, base);
 	}
 }

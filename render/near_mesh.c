@@ -166,7 +166,7 @@ void near_mesh_finish(struct near_mesh *mesh)
 	*mesh = (struct near_mesh){ 0 };
 }
 
-static enum city_look look_of(uint32_t kinds)
+uint8_t near_mesh_look_of(uint32_t kinds)
 {
 	const uint32_t walls = 1u << PKG_MATERIAL_WALL | 1u << PKG_MATERIAL_SHOP, water = 1u << PKG_MATERIAL_WATER;
 	const uint32_t ground = 1u << PKG_MATERIAL_GROUND | 1u << PKG_MATERIAL_MARKING | 1u << PKG_MATERIAL_LAMP;
@@ -176,7 +176,7 @@ static enum city_look look_of(uint32_t kinds)
 	return kinds & walls ? LOOK_WALLS : kinds & ground ? LOOK_GROUND : kinds & water ? LOOK_WATER : LOOK_PLAIN;
 }
 
-static enum city_look look_of_range(const struct near_mesh *mesh, uint32_t id, uint32_t first, uint32_t count)
+static uint8_t look_of_range(const struct near_mesh *mesh, uint32_t id, uint32_t first, uint32_t count)
 {
 	const struct pkg_chunk *chunk = &mesh->pkg->chunks[id];
 	const struct pkg_mesh_vertex *vertices = pkg_chunk_vertices(mesh->pkg, chunk);
@@ -184,7 +184,7 @@ static enum city_look look_of_range(const struct near_mesh *mesh, uint32_t id, u
 	uint32_t kinds = 0;
 	for (uint32_t i = 0; i < count; i++)
 		kinds |= 1u << mesh->pkg->materials[vertices[indices[i]].material].kind;
-	return look_of(kinds);
+	return near_mesh_look_of(kinds);
 }
 
 static void add_run(struct near_mesh *mesh, uint32_t id, const struct mesh_run *run)
@@ -215,7 +215,7 @@ static void find_runs(struct near_mesh *mesh, uint32_t id)
 			};
 			if (!run.count || run.first != at)
 				continue;
-			run.look = (uint8_t)look_of_range(mesh, id, run.first, run.count);
+			run.look = look_of_range(mesh, id, run.first, run.count);
 			add_run(mesh, id, &run);
 			at += run.count;
 		}

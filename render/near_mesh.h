@@ -60,6 +60,9 @@ void near_mesh_load(struct near_mesh *mesh, const int64_t eye_mm[3], double far_
 void near_mesh_emit(const struct near_mesh *mesh, const struct fade *fade, struct draw_list *list,
 	const struct view *view, uint32_t chunk, enum view_slice_id slice, float depth_m);
 
+/* enum city_look of triangles whose materials are of these kinds: bits 1 << enum pkg_material_kind. */
+uint8_t near_mesh_look_of(uint32_t kinds);
+
 /* Is the chunk's geometry on the GPU? */
 bool near_mesh_has(const struct near_mesh *mesh, uint32_t chunk);
 

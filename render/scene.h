@@ -1,4 +1,5 @@
-/* The front end of a frame: which chunks are in view, and the list of draws that shows them. No GL. */
+/* The front end of a frame: the representation of the distance, and the list of draws that shows the city. No GL but
+ * what the representation uploads. */
 #ifndef BLVD_RENDER_SCENE_H
 #define BLVD_RENDER_SCENE_H
 
@@ -8,19 +9,19 @@
 #include "render/view.h"
 
 struct scene {
-	const struct near_mesh *mesh;
 	struct repr repr;
 	struct fade fade;
 	struct visible_set visible;
 	struct draw_list list;
-	uint32_t far_triangles; /* of the last frame */
 };
 
-/* Returns 0, -ENOMEM, or what the representation's init returned. */
-int scene_init(struct scene *scene, struct arena *arena, const struct near_mesh *mesh, const struct repr_ops *far_ops);
+/* Before near_mesh_init(), which takes what the representation leaves of the budget; `mesh` is only remembered. Returns
+ * 0, -ENOMEM, or what the representation's init returned. */
+int scene_init(struct scene *scene, struct arena *arena, struct gfx *gfx, const struct near_mesh *mesh,
+	const struct pkg *pkg, const struct repr_ops *far_ops, const struct repr_config *config);
 void scene_finish(struct scene *scene);
 
-/* Fills scene->list, sorted. */
+/* Fills scene->list, sorted. After the representation's select(). */
 void scene_build(struct scene *scene, const struct view *view);
 
 #endif

@@ -26,6 +26,19 @@ static void set_origin(struct city_constants *constants, const struct view *view
 		constants->origin_mm[axis] = (float)(chunk->origin_mm[axis] - view->eye_mm[axis]);
 }
 
+void submit_geometry(struct gfx_draw *draw, const struct near_mesh *mesh, const struct draw_item *item)
+{
+	const struct residency_chunk *place = &mesh->residency.chunks[item->chunk];
+	const struct draw_set *set = item->set;
+	bool own = set && set->vertices.id;
+	uint32_t vertex = own ? set->first_vertex + set->cells->ranges[item->range].first_vertex : place->first_vertex;
+	draw->vertices = own ? set->vertices : mesh->vertices;
+	draw->vertex_offset = vertex * (uint32_t)sizeof(struct pkg_mesh_vertex);
+	draw->indices = set ? set->indices : mesh->indices;
+	draw->first = (set ? set->first_index : place->first_index) + item->first;
+	draw->count = item->count;
+}
+
 struct range {
 	uint32_t first, end;
 	bool invisible; /* writes depth alone */
@@ -37,8 +50,6 @@ static void submit(struct gfx *gfx, const struct near_mesh *mesh, const struct v
 	struct city_constants constants = { 0 };
 	surfaces_light_map_frame(mesh->pkg, view->eye_mm, constants.light_map);
 	struct gfx_draw draw = {
-		.vertices = mesh->vertices,
-		.indices = mesh->indices,
 		.textures = { mesh->textures, mesh->light_map },
 		.blocks = { frame_block, mesh->materials },
 		.constants = (const float *)&constants,
@@ -52,14 +63,11 @@ static void submit(struct gfx *gfx, const struct near_mesh *mesh, const struct v
 			gfx_depth_range(gfx, view->slice[slice].depth_near, view->slice[slice].depth_far);
 			constants.clip_from_mm = from_mm(&view->slice[slice].clip_from_eye);
 		}
-		const struct residency_chunk *place = &mesh->residency.chunks[item->chunk];
 		set_origin(&constants, view, &mesh->pkg->chunks[item->chunk]);
 		constants.opacity = range.invisible ? 0.0f : item->opacity * (1.0f / 255.0f);
 		int style = (item->opacity < 255 ? MESH_FADED : 0) | (mesh->lit ? MESH_LIT : 0);
 		draw.pipeline = mesh->pipelines[item->look][item->pass][style];
-		draw.vertex_offset = place->first_vertex * (uint32_t)sizeof(struct pkg_mesh_vertex);
-		draw.first = place->first_index + item->first;
-		draw.count = item->count;
+		submit_geometry(&draw, mesh, item);
 		gfx_draw(gfx, &draw);
 	}
 }

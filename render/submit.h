@@ -16,4 +16,7 @@ void submit_solid(struct gfx *gfx, const struct near_mesh *mesh, const struct vi
 void submit_faded(struct gfx *gfx, const struct near_mesh *mesh, const struct view *view, const struct draw_list *list,
 	gfx_buffer frame_block);
 
+/* Where an item's vertices and indices are: fills in that part of a draw. */
+void submit_geometry(struct gfx_draw *draw, const struct near_mesh *mesh, const struct draw_item *item);
+
 #endif

@@ -22,33 +22,6 @@ uniform sampler2D u_light_map;
 
 out mediump vec4 o_color;
 
-const vec3 LAMP_LIGHT = vec3(0.56, 0.40, 0.22);
-const vec3 WARM_ROOM = vec3(0.80, 0.66, 0.44); // encoded
-const vec3 COOL_ROOM = vec3(0.68, 0.69, 0.69);
-const vec3 SHOP_LIGHT = vec3(0.85, 0.76, 0.61);
-
-#if defined(HAS_WALL) && defined(LIT)
-highp float hash(highp vec3 p)
-{
-	p = fract(p * vec3(0.1031, 0.1130, 0.1370));
-	p += dot(p, p.yzx + 33.33);
-	return fract((p.x + p.y) * p.z);
-}
-
-// Light of the rooms behind the glass of a wall. Far off, where a tile is less than a pixel, its mean.
-vec3 rooms(bool shop, float seed, vec2 width)
-{
-	float share = shop ? ground_color.w : sky_color.w;
-	highp vec2 tile = floor(v_uv);
-	highp vec3 key = shop ? vec3(seed, floor(tile.x * 0.34), 5.0) : vec3(tile, seed * 1.7 + 3.0);
-	float pick = hash(key);
-	float on = step(pick, share) * (0.55 + 0.45 * fract(pick * 57.0));
-	on = mix(on, share * 0.8, smoothstep(0.35, 0.9, max(width.x, width.y)));
-	vec3 room = shop ? SHOP_LIGHT : mix(WARM_ROOM, COOL_ROOM, step(0.8, fract(pick * 13.0)));
-	return room * sqrt(on);
-}
-#endif
-
 #ifdef HAS_WATER
 // `body` is the water's own colour, haze included. Encoded.
 vec3 water(vec3 body)
@@ -82,9 +55,7 @@ void main()
 	float open = step(abs(v_what.y - KIND_GROUND - 0.5), 0.6); // ground or marking
 	vec2 map = texture(u_light_map, v_map).rg;
 #ifdef LIT
-	// what the lamps add, in the tint that is left when the sky's light is taken out again
-	vec3 by_day = sky_color.rgb + sun_color.rgb * max(sun_direction.z, 0.0);
-	vec3 lit = sqrt(vec3(map.r) + LAMP_LIGHT * (map.g * sun_color.w) / by_day);
+	vec3 lit = sqrt(map.r + lamp_light(map.g));
 #else
 	float lit = sqrt(map.r);
 #endif
@@ -99,7 +70,7 @@ void main()
 #ifdef HAS_WALL
 	vec3 glass = texel.rgb * v_glass.w + v_glass.rgb;
 #ifdef LIT
-	vec3 room = rooms(v_what.y == KIND_SHOP, v_what.w, fwidth(v_uv));
+	vec3 room = rooms(v_what.y == KIND_SHOP, v_uv, v_what.w, fwidth(v_uv));
 	glass += room * (1.0 - glass);
 #endif
 	color = mix(color, glass, texel.a * v_what.z);

@@ -36,8 +36,6 @@ out highp vec2 v_map;
 out highp vec3 v_from_eye; // m
 #endif
 
-const vec3 LAMP_LIGHT = vec3(0.56, 0.40, 0.22);
-
 void main()
 {
 	vec3 at_mm = a_position_mm + u_draw[0].xyz;

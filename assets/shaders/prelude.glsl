@@ -96,4 +96,35 @@ vec4 air(highp vec3 from_eye, highp float d)
 	float towards_sun = max(dot(from_eye.xy, sun_direction.xy) / max(d, 1.0), 0.0) * (1.0 - sun_direction.w);
 	return vec4(encode_srgb(min(haze.rgb * (1.0 + 0.35 * towards_sun), vec3(0.93))) * (1.0 - clear), clear);
 }
+
+const vec3 LAMP_LIGHT = vec3(0.56, 0.40, 0.22);
+
+// What lamps add to the open ground, in the tint that is left when the sky's light is taken out again; `glow` of the
+// light map.
+vec3 lamp_light(float glow)
+{
+	vec3 by_day = sky_color.rgb + sun_color.rgb * max(sun_direction.z, 0.0);
+	return LAMP_LIGHT * (glow * sun_color.w) / by_day;
+}
+
+highp float hash(highp vec3 p)
+{
+	p = fract(p * vec3(0.1031, 0.1130, 0.1370));
+	p += dot(p, p.yzx + 33.33);
+	return fract((p.x + p.y) * p.z);
+}
+
+// Light of the rooms behind the glass of a wall, encoded. A tile is a bay by a storey, `width` what of it a pixel spans.
+// Far off, where a tile is less than a pixel, the mean.
+vec3 rooms(bool shop, highp vec2 at_tile, float seed, vec2 width)
+{
+	const vec3 warm = vec3(0.80, 0.66, 0.44), cool = vec3(0.68, 0.69, 0.69), shop_light = vec3(0.85, 0.76, 0.61);
+	float share = shop ? ground_color.w : sky_color.w;
+	highp vec2 tile = floor(at_tile);
+	highp vec3 key = shop ? vec3(seed, floor(tile.x * 0.34), 5.0) : vec3(tile, seed * 1.7 + 3.0);
+	float pick = hash(key);
+	float on = step(pick, share) * (0.55 + 0.45 * fract(pick * 57.0));
+	on = mix(on, share * 0.8, smoothstep(0.35, 0.9, max(width.x, width.y)));
+	return (shop ? shop_light : mix(warm, cool, step(0.8, fract(pick * 13.0)))) * sqrt(on);
+}
 #endif

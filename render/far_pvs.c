@@ -1,0 +1,67 @@
+/*
+ * The visible set: what some eye of the stretch's view cell can see, local and distant, as its own triangles. Without
+ * error; the measure that an impostor has to beat.
+ */
+#include <errno.h>
+
+#include "render/far_cells.h"
+#include "render/repr.h"
+
+static int init(struct repr *repr, struct arena *arena)
+{
+	struct far_cells *cells = ARENA_ARRAY(arena, struct far_cells, 1);
+	if (!cells)
+		return -ENOMEM;
+	repr->state = cells;
+	struct cell_cache_config config = {
+		.pvs = CELL_PVS_ALWAYS, .without_impostors = true, .look_of = near_mesh_look_of
+	};
+	return far_cells_init(cells, repr, arena, &config);
+}
+
+static void finish(struct repr *repr)
+{
+	if (repr->state)
+		far_cells_finish(repr->state);
+}
+
+static void choose(struct repr *repr, const struct repr_place *place)
+{
+	far_cells_select(repr->state, place);
+}
+
+static void emit(struct repr *repr, const struct view *view, struct draw_list *list)
+{
+	struct far_cells *cells = repr->state;
+	far_cells_emit_near(cells, view, list);
+	far_cells_emit_pvs(cells, view, list);
+}
+
+static double split_m(const struct repr *repr)
+{
+	const struct far_cells *cells = repr->state;
+	return cells->split_m;
+}
+
+static uint64_t bytes(const struct repr *repr)
+{
+	const struct far_cells *cells = repr->state;
+	return cells->store.bytes;
+}
+
+static double error_px(const struct repr *repr)
+{
+	(void)repr;
+	return 0.0;
+}
+
+const struct repr_ops repr_pvs = {
+	.name = "pvs",
+	.init = init,
+	.finish = finish,
+	.select = choose,
+	.emit = emit,
+	.split_m = split_m,
+	.bytes = bytes,
+	.error_px = error_px,
+};
