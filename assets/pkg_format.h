@@ -431,10 +431,11 @@ static_assert(sizeof(struct pkg_set_object) == 8, "on-disk layout");
 
 /* An impostor: the head, view_count struct pkg_impostor_view, vertices, indices (uint16_t, triangles, nearest first),
  * padding to 16 bytes, pages (GL_COMPRESSED_RGBA8_ETC2_EAC, PKG_PAGE_PX square, first row at v = 0). Texels: rgb is
- * sRGB albedo times tint times ambient occlusion, not lit. Alpha is 0 where nothing is, and PKG_PAGE_SOLID or more
- * (less the codec's error) where something is; the share of glass is (alpha - PKG_PAGE_SOLID) / (255 - PKG_PAGE_SOLID),
- * clamped. What filters make of both is cut in the middle: below PKG_PAGE_CUT there is nothing. Sampling is projective:
- * (u z, v z, z) is linear in space, where z is the depth in the capture view. */
+ * sRGB albedo times tint times ambient occlusion, not lit, and less by what the surface mirrors instead. Alpha is 0
+ * where nothing is, and PKG_PAGE_SOLID or more (less the codec's error) where something is; the share that mirrors as
+ * window glass does, of gloss on roofs too, is a = (alpha - PKG_PAGE_SOLID) / (255 - PKG_PAGE_SOLID), clamped. How
+ * they are lit: tools/impostor/capture.h. What filters make of both is cut in the middle: below PKG_PAGE_CUT there is
+ * nothing. Sampling is projective: (u z, v z, z) is linear in space, where z is the depth in the capture view. */
 #define PKG_PAGE_PX 256u
 #define PKG_PAGE_BYTES 65536u
 #define PKG_PAGE_SOLID 128

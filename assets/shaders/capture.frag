@@ -9,7 +9,7 @@ layout(location = 1) out highp uint o_triangle;
 #ifdef COLOR
 in highp vec3 v_from_eye;
 in highp vec2 v_uv;
-in highp vec4 v_color;
+in highp vec4 v_paint;
 flat in highp vec3 v_normal;
 flat in highp vec3 v_material;
 
@@ -17,20 +17,16 @@ uniform highp vec4 u_draw[6];
 uniform sampler2DArray u_textures;
 uniform sampler2D u_light_map;
 
+// As city.vert and city.frag, in the same encoded colour, without light and air.
 vec4 surface(float kind, vec4 texel, vec3 to_eye)
 {
-	vec3 painted = decode_srgb(texel.rgb);
-	vec3 color = painted * v_color.rgb;
-	if (kind <= KIND_SHOP) { // glass has no tint; what it does not mirror shines through
-		vec3 through = painted * (v_color.w * 0.7 * (1.0 - mirroring(v_normal, to_eye)));
-		return vec4(mix(color, through, texel.a), texel.a);
-	}
+	float share = mirroring(v_normal, to_eye), gloss = v_material.z * 0.35;
+	if (kind <= KIND_SHOP)
+		return vec4(texel.rgb * mix(v_paint.rgb, vec3(v_paint.w * (1.0 - share)), texel.a), texel.a);
+	vec3 color = texel.rgb * v_paint.rgb * (1.0 - gloss);
 	if (kind == KIND_GROUND || kind == KIND_MARKING)
-		return vec4(color * texture(u_light_map, u_draw[5].xy + v_from_eye.xy * u_draw[5].zw).r, 0.0);
-	if (kind == KIND_LAMP)
-		return vec4(color, 0.0);
-	float glossy = v_material.z * 0.35;
-	return vec4(color * (1.0 - glossy), glossy / mirroring(v_normal, to_eye));
+		color *= sqrt(texture(u_light_map, u_draw[5].xy + v_from_eye.xy * u_draw[5].zw).r);
+	return vec4(color, gloss / share);
 }
 #endif
 
@@ -42,7 +38,7 @@ void main()
 	vec4 seen = surface(kind, texel, -normalize(v_from_eye));
 	// decals blend, and by nothing but their wear
 	float share = u_draw[0].w > 0.5 ? (kind == KIND_MARKING ? texel.a : 1.0) : seen.a;
-	o_color = vec4(encode_srgb(seen.rgb), share);
+	o_color = vec4(seen.rgb, share);
 #else
 	o_color = vec4(0.0);
 #endif

@@ -18,7 +18,7 @@ layout(std140) uniform Materials {
 
 out highp vec3 v_from_eye; // m
 out highp vec2 v_uv;
-out highp vec4 v_color; // linear tint times AO; w AO alone
+out highp vec4 v_paint; // tint times AO; w of glass, which has no tint
 flat out highp vec3 v_normal;
 flat out highp vec3 v_material; // as in Materials
 #endif
@@ -29,10 +29,10 @@ void main()
 	gl_Position = mat4(u_draw[1], u_draw[2], u_draw[3], u_draw[4]) * vec4(at_mm, 1.0);
 	v_triangle = uint(gl_VertexID) / 3u + 1u;
 #ifdef COLOR
-	float ao = a_ao_material.x * (1.0 / 255.0);
+	vec3 shade = encode_srgb(vec3(1.0, 0.7, 0.0) * (a_ao_material.x * (1.0 / 255.0)));
 	v_from_eye = at_mm * 0.001;
 	v_uv = a_uv * (1.0 / 256.0);
-	v_color = vec4(decode_srgb(a_tint_seed.rgb) * ao, ao);
+	v_paint = vec4(a_tint_seed.rgb * shade.x, shade.y);
 	v_normal = octahedral(a_normal_oct);
 	v_material = materials[int(a_ao_material.y + 0.5)].xyz;
 #endif

@@ -1,18 +1,19 @@
 /*
  * Renders sets of triangles from poses through our own GL, on a surfaceless context: unlit colour, disparity and what
- * is seen, a pixel each. One capturer belongs to one thread; there may be
- * several. Each call makes the capturer's context current and leaves it so.
+ * is seen, a pixel each. One capturer belongs to one thread; there may be several. Each call makes the
+ * capturer's context current and leaves it so.
  *
  * What a pixel is (object, triangle, normal, disparity) is that of its centre, exactly: disparity is worked out from
  * the triangle's corners in double, for the eye as given. Its colour is a mean over the pixel, of samples that show the
  * same object; it says nothing of what else the pixel holds.
  *
- * Colour is what light is multiplied with. Let c be the colour in linear light, a alpha, L the light on the surface by
- * city.vert without its ambient occlusion (which c has; the part of it that dims the sun alone is lost), m the share
- * that glass mirrors from here (mirroring() of prelude.glsl), M what it mirrors, R the light of rooms. City.frag shows
- *     c L + a (m M + R)
- * with R for WALL and SHOP alone. Roofs and solids have an alpha too, for their gloss. Ground has the light map's open
- * sky in c; water is the body of it, without waves. Lamps' light is in none of them.
+ * Colour is what light is multiplied with, in encoded colour as city.vert and city.frag do it. Let c be the colour and
+ * a alpha, E the encoded light_on() the surface with an open sky (c has the ambient occlusion; that it dims the sun a
+ * little more is lost), m the share that glass mirrors from here (mirroring()), M what it mirrors (mirrored()), and
+ * (h, w) the air() between, all of prelude.glsl. Then a frame shows
+ *     (c E + a m M) w + h
+ * and a times the light of rooms on walls and shops. Everything else has an alpha too, for its gloss. Ground has the
+ * light map's open sky in c; water is the body of it, without waves. Lamps' light is in none of them.
  */
 #ifndef BLVD_TOOLS_IMPOSTOR_CAPTURE_H
 #define BLVD_TOOLS_IMPOSTOR_CAPTURE_H
@@ -59,7 +60,7 @@ static_assert(sizeof(struct capture_pixel) == 16, "as the GPU writes it");
 /* Rows from the top. Owned. */
 struct capture_image {
 	struct capture_view view;
-	uint8_t *rgba; /* NULL, or sRGB albedo x tint x ambient occlusion; alpha: share of glass. See above */
+	uint8_t *rgba; /* NULL, or sRGB albedo x tint x ambient occlusion; alpha: share that mirrors. See above */
 	struct capture_pixel *pixels;
 };
 void capture_image_finish(struct capture_image *image);

@@ -137,9 +137,9 @@ static bool alike(const struct capture_batch *batch, uint32_t a, uint32_t b)
 	return s->object == t->object && s->kind == t->kind;
 }
 
-static void mean_color(const uint8_t *samples[], unsigned count, uint8_t out[4])
+static void mean_color(const uint8_t *const samples[], unsigned count, int components, uint8_t *out)
 {
-	for (int c = 0; c < 4; c++) {
+	for (int c = 0; c < components; c++) {
 		unsigned sum = count / 2;
 		for (unsigned i = 0; i < count; i++)
 			sum += samples[i][c];
@@ -147,29 +147,33 @@ static void mean_color(const uint8_t *samples[], unsigned count, uint8_t out[4])
 	}
 }
 
+static bool is_decal(const struct capture_batch *batch, uint32_t seen)
+{
+	return batch->triangles.items[seen - 1].decal;
+}
+
 void capture_pixels_color(const struct capture_batch *batch, const uint32_t *seen, const uint8_t *rgba,
 	const uint32_t *fine_seen, const uint8_t *fine_rgba, struct capture_image *out)
 {
 	size_t width = out->view.width, height = out->view.height;
-	for (size_t y = 0; y < height; y++) {
-		for (size_t x = 0; x < width; x++) {
-			size_t at = y * width + x, fine = y * width * 4 + x * 2;
-			const size_t around[4] = { fine, fine + 1, fine + width * 2, fine + width * 2 + 1 };
-			const uint8_t *samples[5] = { rgba + at * 4 };
-			unsigned count = 1;
-			uint8_t *to = out->rgba + at * 4;
-			if (!seen[at]) {
-				memset(to, 0, 4);
+	for (size_t at = 0; at < width * height; at++) {
+		size_t fine = at / width * width * 4 + at % width * 2;
+		const size_t around[4] = { fine, fine + 1, fine + width * 2, fine + width * 2 + 1 };
+		const uint8_t *samples[5] = { rgba + at * 4 }, *shares[5] = { rgba + at * 4 + 3 };
+		memset(out->rgba + at * 4, 0, 4);
+		if (!seen[at])
+			continue;
+		/* decals leave their wear in alpha */
+		unsigned count = 1, share_count = !is_decal(batch, seen[at]);
+		for (int i = 0; i < 4; i++) {
+			if (!alike(batch, seen[at], fine_seen[around[i]]))
 				continue;
-			}
-			for (int i = 0; i < 4; i++)
-				if (alike(batch, seen[at], fine_seen[around[i]]))
-					samples[count++] = fine_rgba + around[i] * 4;
-			mean_color(samples, count, to);
-			/* decals leave their wear in alpha */
-			const struct capture_triangle *triangle = &batch->triangles.items[seen[at] - 1];
-			if (triangle->decal || on_ground(triangle))
-				to[3] = 0;
+			samples[count++] = fine_rgba + around[i] * 4;
+			if (share_count && !is_decal(batch, fine_seen[around[i]]))
+				shares[share_count++] = fine_rgba + around[i] * 4 + 3;
 		}
+		mean_color(samples, count, 3, out->rgba + at * 4);
+		if (share_count)
+			mean_color(shares, share_count, 1, out->rgba + at * 4 + 3);
 	}
 }
