@@ -312,7 +312,7 @@ static void draw_pass(struct renderer *renderer, const struct nav_view *nav)
 	const struct repr *repr = &renderer->scene.repr;
 	if (repr->ops->draw)
 		repr->ops->draw(repr, &renderer->view, renderer->frame_block);
-	sky_draw(&renderer->sky, &renderer->view, renderer->frame_block);
+	sky_draw(&renderer->sky, &renderer->view, &renderer->light, renderer->frame_block);
 	if (overlay)
 		draw_in_slices(renderer, overlay_draw_world);
 	if (nav)

@@ -1,18 +1,23 @@
-/* The sky, drawn after everything else that is far: one triangle at the end of the depth range. */
+/*
+ * The sky, drawn after everything else that is far, at the end of the depth range. By day and with the sun out of the
+ * picture it is a gradient worked out at the corners of a grid; else every pixel is worked out.
+ */
 #ifndef BLVD_RENDER_SKY_H
 #define BLVD_RENDER_SKY_H
 
 #include "render/gfx.h"
+#include "render/sun.h"
 #include "render/view.h"
 
+enum sky_kind { SKY_EVERY_PIXEL, SKY_GRID, SKY_KIND_COUNT };
 struct sky {
 	struct gfx *gfx;
-	gfx_program program;
-	gfx_pipeline pipeline;
+	gfx_program programs[SKY_KIND_COUNT];
+	gfx_pipeline pipelines[SKY_KIND_COUNT];
 };
 
 int sky_init(struct sky *sky, struct gfx *gfx);
 void sky_finish(struct sky *sky);
-void sky_draw(const struct sky *sky, const struct view *view, gfx_buffer frame_block);
+void sky_draw(const struct sky *sky, const struct view *view, const struct light_state *light, gfx_buffer frame_block);
 
 #endif

@@ -1,4 +1,13 @@
-// Clear sky: a gradient, the sun's disc with its aureole, and at night some quiet stars.
+// Clear sky: a gradient, the sun's disc with its aureole, and at night some quiet stars. GRID: the gradient alone.
+#ifdef GRID
+in mediump vec3 v_color;
+out mediump vec4 o_color;
+
+void main()
+{
+	o_color = vec4(v_color, 1.0);
+}
+#else
 in highp vec3 v_direction;
 out mediump vec4 o_color;
 
@@ -26,3 +35,4 @@ void main()
 		color += vec3(0.16, 0.17, 0.20) * star(d) * zenith.w * smoothstep(0.02, 0.3, d.z);
 	o_color = vec4(encode_srgb(min(color, vec3(0.93))), 1.0);
 }
+#endif

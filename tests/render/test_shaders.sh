@@ -42,4 +42,7 @@ done
 for file in "$dir"/text.*; do
 	check "$file" "#define SHAPE 1\n"
 done
+for file in "$dir"/sky.*; do
+	check "$file" "#define GRID 1\n"
+done
 exit $bad
