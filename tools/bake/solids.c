@@ -118,7 +118,7 @@ static void list_tubes(const struct city *city, struct segment_grid *grid, segme
 {
 	for (size_t i = 0; i < city->ways.count; i++) {
 		const struct way *way = &city->ways.items[i];
-		for (size_t k = 0; way->tunnel && k + 1 < way->node_count; k++)
+		for (size_t k = 0; (way->tunnel || way->layer < 0) && k + 1 < way->node_count; k++)
 			ARRAY_PUSH(tubes, (struct segment){ way->nodes[k].at, way->nodes[k + 1].at, (uint32_t)i });
 	}
 	segment_grid_build(grid, tubes->items, tubes->count, 32.0);

@@ -12,7 +12,8 @@
 #include "tools/impostor/triangle_set.h"
 #include "tools/impostor/view_cell.h"
 
-/* Made once a package, shared by threads, never changed by visible_set(). */
+/* Made once a package, shared by threads, never changed by visible_set(). The package's chunks are sound
+ * (pkg_chunk_check()), and stay mapped. */
 struct visibility;
 struct visibility *visibility_new(const struct pkg *pkg);
 void visibility_free(struct visibility *visibility);
