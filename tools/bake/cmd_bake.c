@@ -2,7 +2,9 @@
  * are independent. */
 #include <argp.h>
 #include <errno.h>
+#include <limits.h>
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -13,6 +15,7 @@
 #include "tools/bake/bake.h"
 #include "tools/bake/font_faces.h"
 #include "tools/commands.h"
+#include "tools/far/far.h"
 
 #define LIST_MAX 64
 
@@ -27,10 +30,30 @@ struct bake_options {
 	double bounds[4];
 	bool bounded;
 	enum pkg_texture_format textures;
+	struct far_options far;
 	bool quiet;
 };
 
-enum { OPT_REPORT = 256, OPT_BUILDINGS, OPT_HEIGHT_FIELD, OPT_TERRAIN, OPT_NAME, OPT_FONT, OPT_BBOX, OPT_TEXTURES };
+enum {
+	OPT_REPORT = 256,
+	OPT_BUILDINGS,
+	OPT_HEIGHT_FIELD,
+	OPT_TERRAIN,
+	OPT_NAME,
+	OPT_FONT,
+	OPT_BBOX,
+	OPT_TEXTURES,
+	OPT_FAR,
+	OPT_TAU,
+	OPT_NEAR,
+	OPT_EYE,
+	OPT_CELLS,
+	OPT_JOBS,
+	OPT_TRUTH,
+	OPT_INTERIOR,
+	OPT_UNITS,
+	OPT_BUDGET,
+};
 
 static const struct argp_option option_table[] = {
 	{ "output", 'o', "CITY.blvd", 0, "the package to write", 0 },
@@ -44,6 +67,17 @@ static const struct argp_option option_table[] = {
 		0 },
 	{ "report", OPT_REPORT, "FILE.json", 0, "write what was read, mended and dropped", 0 },
 	{ "quiet", 'q', NULL, 0, "print errors only", 0 },
+	{ NULL, 0, NULL, 0, "The far field:", 1 },
+	{ "far", OPT_FAR, "none|pvs|impostor|all", 0, "what stands for the distance; default none", 1 },
+	{ "tau", OPT_TAU, "PX", 0, "accuracy: the largest displacement, 1/16 to 64; default 1", 1 },
+	{ "near", OPT_NEAR, "M", 0, "what is nearer to the street is drawn as it is; 40 to 2000, default 150", 1 },
+	{ "eye", OPT_EYE, "MIN,MAX", 0, "heights of the eye above the street; default 1.2,4", 1 },
+	{ "budget", OPT_BUDGET, "MIB", 0, "what may be resident at once; accuracy gives way to it; default no limit", 1 },
+	{ "cells", OPT_CELLS, "all|A-B|LOG", 0, "stretches A to B, or those a recorded drive may need; default all", 1 },
+	{ "jobs", OPT_JOBS, "N", 0, "workers; default one a core", 1 },
+	{ "truth", OPT_TRUTH, NULL, 0, "keep what every texel shows, for measuring", 1 },
+	{ "interior", OPT_INTERIOR, "planes|grid", 0, "how surfaces are filled; default planes", 1 },
+	{ "units", OPT_UNITS, "DIR", 0, "keep finished units here; default CITY.blvd.cells, which goes at the end", 1 },
 	{ 0 },
 };
 
@@ -68,6 +102,74 @@ static enum pkg_texture_format parse_textures(const char *text, struct argp_stat
 	if (strcmp(text, "etc2") != 0 && strcmp(text, "rgba8") != 0)
 		argp_error(state, "--textures wants etc2 or rgba8, not '%s'", text);
 	return text[0] == 'e' ? PKG_TEXTURE_ETC2_RGBA : PKG_TEXTURE_RGBA8;
+}
+
+static double parse_number(const char *text, double min, double max, const char *what, struct argp_state *state)
+{
+	char *end;
+	double value = strtod(text, &end);
+	if (end == text || *end || !(value >= min && value <= max))
+		argp_error(state, "%s wants a number from %g to %g, not '%s'", what, min, max, text);
+	return value;
+}
+
+static void parse_far(struct cell_options *cells, const char *text, struct argp_state *state)
+{
+	bool all = !strcmp(text, "all"), none = !strcmp(text, "none");
+	cells->pvs = all || !strcmp(text, "pvs");
+	cells->impostor = all || !strcmp(text, "impostor");
+	if (!none && !cells->pvs && !cells->impostor)
+		argp_error(state, "--far wants none, pvs, impostor or all, not '%s'", text);
+}
+
+static void parse_eye(struct stretch_options *stretches, const char *text, struct argp_state *state)
+{
+	char extra;
+	if (sscanf(text, "%lf,%lf%c", &stretches->eye_min_m, &stretches->eye_max_m, &extra) != 2 ||
+		!(stretches->eye_min_m >= 0.2) || !(stretches->eye_max_m > stretches->eye_min_m) ||
+		!(stretches->eye_max_m <= 50.0))
+		argp_error(state, "--eye wants two heights in metres, 0.2 to 50, the lower one first, not '%s'", text);
+}
+
+static error_t parse_far_option(int key, char *value, struct argp_state *state)
+{
+	struct far_options *far = &((struct bake_options *)state->input)->far;
+	switch (key) {
+	case OPT_FAR:
+		parse_far(&far->cells, value, state);
+		return 0;
+	case OPT_TAU:
+		far->cells.tau_px = parse_number(value, 0.0625, 64.0, "--tau", state);
+		return 0;
+	case OPT_NEAR:
+		far->stretches.near_m = parse_number(value, 40.0, 2000.0, "--near", state);
+		return 0;
+	case OPT_EYE:
+		parse_eye(&far->stretches, value, state);
+		return 0;
+	case OPT_BUDGET:
+		far->budget_bytes = (uint64_t)(parse_number(value, 1.0, 65536.0, "--budget", state) * 1048576.0);
+		return 0;
+	case OPT_CELLS:
+		far->selection = value;
+		return 0;
+	case OPT_JOBS:
+		far->jobs = (unsigned)parse_number(value, 1.0, 256.0, "--jobs", state);
+		return 0;
+	case OPT_TRUTH:
+		far->cells.truth = true;
+		return 0;
+	case OPT_INTERIOR:
+		if (strcmp(value, "planes") != 0 && strcmp(value, "grid") != 0)
+			argp_error(state, "--interior wants planes or grid, not '%s'", value);
+		far->cells.grid = value[0] == 'g';
+		return 0;
+	case OPT_UNITS:
+		far->units = value;
+		return 0;
+	default:
+		return ARGP_ERR_UNKNOWN;
+	}
 }
 
 static error_t parse_option(int key, char *value, struct argp_state *state)
@@ -114,7 +216,7 @@ static error_t parse_option(int key, char *value, struct argp_state *state)
 			argp_error(state, "no output: give -o CITY.blvd");
 		return 0;
 	default:
-		return ARGP_ERR_UNKNOWN;
+		return parse_far_option(key, value, state);
 	}
 }
 
@@ -122,13 +224,15 @@ static const struct argp parser = {
 	.options = option_table,
 	.parser = parse_option,
 	.args_doc = "INPUT...",
-	.doc = "Bakes map data into a city package.\vINPUT is .osm, .osm.pbf, .osm.gz, .osm.bz2 or CityJSON. "
+	.doc = "Bakes map data into a city package.\vINPUT is .osm, .osm.pbf, .osm.gz, .osm.bz2 or CityJSON, or one "
+		   "package, of which only the far field is made anew. "
 		   "Exit status: 0 done, 1 failed, 2 wrong usage, 3 bad input.",
 };
 
 /* Everything a bake makes, so that one function frees it. */
 struct bake {
 	const struct bake_options *options;
+	const char *output; /* without far field */
 	struct report report;
 	struct city city;
 	struct graph_data graph;
@@ -269,7 +373,7 @@ static int write_package(struct bake *bake)
 		.occluders = &bake->occluders,
 		.source_hash = hash_options(bake->options),
 	};
-	int status = pkg_write(bake->options->output, &content);
+	int status = pkg_write(bake->output, &content);
 	step_end(bake, STEP_WRITE, started);
 	return status;
 }
@@ -335,18 +439,78 @@ static void finish(struct bake *bake)
 	city_finish(&bake->city);
 }
 
+/* Everything but the far field, into `output`. */
+static int bake_base(const struct bake_options *options, const char *output)
+{
+	static struct bake bake; /* large, and used once */
+	bake = (struct bake){
+		.options = options, .output = output, .show_progress = !options->quiet && isatty(STDERR_FILENO)
+	};
+	bake.city.report = &bake.report;
+	int status = run_steps(&bake);
+	if (status == EXIT_DONE && !options->quiet)
+		report_print(&bake.report, stdout);
+	finish(&bake);
+	return status;
+}
+
+/* The far field from a package on disk, which may be the output itself. */
+static int bake_far(const struct bake_options *options, const char *base)
+{
+	struct pkg pkg;
+	struct pkg_fault fault;
+	if (pkg_open(&pkg, base, &fault) < 0) {
+		log_error("%s: byte %llu: %s", base, (unsigned long long)fault.offset, fault.text);
+		return EXIT_BAD_INPUT;
+	}
+	bool wanted = options->far.cells.pvs || options->far.cells.impostor;
+	int status = wanted ? far_bake(&pkg, options->output, &options->far) : far_strip(&pkg, options->output);
+	pkg_close(&pkg);
+	return status;
+}
+
+/* From map data: the package without far field waits beside the units, so that the output is replaced only once. */
+static int bake_both(const struct bake_options *options)
+{
+	char base[PATH_MAX];
+	if (far_units_folder(&options->far, options->output, base))
+		return EXIT_FAILED;
+	if (strlen(base) + sizeof("/base.blvd") > sizeof(base)) {
+		log_error("%s: the name is too long", base);
+		return EXIT_FAILED;
+	}
+	strcat(base, "/base.blvd");
+	int status = bake_base(options, base);
+	if (status == EXIT_DONE)
+		status = bake_far(options, base);
+	unlink(base);
+	if (!options->far.units) {
+		*strrchr(base, '/') = 0;
+		rmdir(base); /* stays while it holds units of a bake that did not end */
+	}
+	return status;
+}
+
+static bool is_package(const char *path)
+{
+	char magic[sizeof(PKG_MAGIC) - 1];
+	FILE *file = fopen(path, "rb");
+	bool is = file && fread(magic, 1, sizeof(magic), file) == sizeof(magic) && !memcmp(magic, PKG_MAGIC, sizeof(magic));
+	if (file)
+		fclose(file);
+	return is;
+}
+
 int cmd_bake(int argc, char **argv)
 {
 	struct bake_options options = { .textures = PKG_TEXTURE_ETC2_RGBA };
 	argp_parse(&parser, argc, argv, 0, NULL, &options);
 	if (options.quiet)
 		log_init("blvd", LOG_ERROR);
-	static struct bake bake; /* large, and used once */
-	bake = (struct bake){ .options = &options, .show_progress = !options.quiet && isatty(STDERR_FILENO) };
-	bake.city.report = &bake.report;
-	int status = run_steps(&bake);
-	if (status == EXIT_DONE && !options.quiet)
-		report_print(&bake.report, stdout);
-	finish(&bake);
-	return status;
+	options.far.quiet = options.quiet;
+	if (options.inputs.count == 1 && is_package(options.inputs.items[0]))
+		return bake_far(&options, options.inputs.items[0]);
+	if (options.far.cells.pvs || options.far.cells.impostor)
+		return bake_both(&options);
+	return bake_base(&options, options.output);
 }

@@ -15,6 +15,7 @@ struct far_options {
 	struct cell_options cells;
 	const char *selection; /* which stretches: NULL or "all", "A-B", or a recorded drive */
 	const char *units;     /* folder of finished units; default OUTPUT.cells, which goes when all is done */
+	uint64_t budget_bytes; /* of what is resident at once; 0: none. Where it does not do, accuracy gives way */
 	unsigned jobs;         /* workers; default: cores */
 	bool quiet;
 };

@@ -13,6 +13,7 @@
 #include "tools/far/assemble.h"
 #include "tools/far/far.h"
 #include "tools/far/plan.h"
+#include "tools/far/resident.h"
 #include "tools/far/workers.h"
 
 int far_units_folder(const struct far_options *options, const char *output, char *out)
@@ -69,37 +70,128 @@ static unsigned core_count(void)
 	return cores > 0 ? (unsigned)cores : 1;
 }
 
+/* One bake's state over the rounds that it takes to keep the budget. */
+struct rounds {
+	struct far_plan plan;
+	struct far_sections sections;
+	struct far_counts counts; /* of the first round */
+	struct resident resident;
+	uint64_t *hashes; /* of units */
+	uint8_t *skip;    /* units that the next round leaves alone */
+};
+
+static int run_round(struct rounds *rounds, struct far_work *work, uint64_t budget_bytes)
+{
+	struct far_counts counts;
+	int err = far_work_run(work, rounds->hashes, &counts);
+	rounds->counts = work->skip ? rounds->counts : counts;
+	far_sections_finish(&rounds->sections);
+	if (!err)
+		err = far_sections_gather(&rounds->sections, &rounds->plan, work->folder, rounds->hashes);
+	memset(rounds->resident.over, 0, rounds->plan.stretches.count);
+	if (!err)
+		resident_bound(&work->pkg->graph, rounds->plan.first.items, &rounds->sections, budget_bytes, &rounds->resident);
+	return err;
+}
+
+/* Tightens what is needed where the budget is broken: impostors only, and those first that are larger than the mean of
+ * them. False: nothing is left to tighten. */
+static bool tighten(struct rounds *rounds)
+{
+	const struct far_sections *sections = &rounds->sections;
+	uint64_t sum = 0, count = 0;
+	bool any = false;
+	for (size_t i = 0; i < sections->stretches.count; i++) {
+		bool may = rounds->resident.over[i] && rounds->plan.levels.items[i] + 1 < CELL_LEVELS;
+		rounds->resident.over[i] = may;
+		count += may;
+		sum += may ? resident_stretch_bytes(&sections->stretches.items[i], &sections->cells.items[2 * i]) : 0;
+	}
+	memset(rounds->skip, 1, far_plan_units(&rounds->plan));
+	for (uint32_t unit = 0; unit < far_plan_units(&rounds->plan); unit++) {
+		for (uint32_t i = rounds->plan.unit_first.items[unit]; i < rounds->plan.unit_first.items[unit + 1]; i++) {
+			if (!rounds->resident.over[i] ||
+				resident_stretch_bytes(&sections->stretches.items[i], &sections->cells.items[2 * (size_t)i]) * count <
+					sum)
+				continue;
+			rounds->plan.levels.items[i]++;
+			rounds->skip[unit] = 0;
+			any = true;
+		}
+	}
+	return any;
+}
+
+static int run_rounds(struct rounds *rounds, struct far_work *work, uint64_t budget_bytes)
+{
+	uint32_t units = far_plan_units(&rounds->plan);
+	rounds->hashes = array_grow(NULL, &(size_t){ 0 }, units + 1, sizeof(*rounds->hashes));
+	rounds->skip = array_grow(NULL, &(size_t){ 0 }, units + 1, 1);
+	rounds->resident.over = array_grow(NULL, &(size_t){ 0 }, rounds->plan.stretches.count + 1, 1);
+	memset(rounds->hashes, 0, units * sizeof(*rounds->hashes));
+	int err = run_round(rounds, work, budget_bytes);
+	while (!err && rounds->resident.over_count && tighten(rounds)) {
+		work->skip = rounds->skip;
+		err = run_round(rounds, work, budget_bytes);
+	}
+	return err;
+}
+
+static void report_budget(const struct pkg *pkg, const struct rounds *rounds, uint64_t budget_bytes)
+{
+	uint32_t tightened = 0, worst = rounds->resident.worst;
+	for (size_t i = 0; i < rounds->plan.levels.count; i++)
+		tightened += rounds->plan.levels.items[i] > 0;
+	if (worst == PKG_NONE)
+		return;
+	const struct pkg_edge *edge = &pkg->graph.edges[rounds->sections.stretches.items[worst].edge];
+	printf("  resident: at most %.1f MiB at once, on %s (edge %u)", (double)rounds->resident.bound_bytes / 1048576.0,
+		edge->name ? pkg_string(pkg, edge->name) : "a street without a name",
+		rounds->sections.stretches.items[worst].edge);
+	if (budget_bytes)
+		printf("; accuracy gave way to the budget on %u stretches", tightened);
+	putchar('\n');
+}
+
+static void rounds_finish(struct rounds *rounds)
+{
+	far_sections_finish(&rounds->sections);
+	far_plan_finish(&rounds->plan);
+	array_free(rounds->hashes);
+	array_free(rounds->skip);
+	array_free(rounds->resident.over);
+}
+
 static int bake(const struct pkg *pkg, const struct pkg *old, const char *output, const char *folder,
 	const struct far_options *options)
 {
-	struct far_plan plan;
-	struct far_sections sections = { 0 };
+	struct rounds rounds = { 0 };
 	struct cell_options cells = cell_options_settled(&options->cells, pkg);
 	int64_t started = clock_now_ns();
-	int err = far_plan_make(&plan, pkg, options);
+	int err = far_plan_make(&rounds.plan, pkg, options);
 	if (err) {
-		far_plan_finish(&plan);
+		rounds_finish(&rounds);
 		return err == -EINVAL ? EXIT_USAGE : EXIT_BAD_INPUT;
 	}
 	struct far_work work = { .pkg = pkg,
 		.old = old,
-		.plan = &plan,
+		.plan = &rounds.plan,
 		.cells = &cells,
 		.folder = folder,
 		.jobs = options->jobs ? options->jobs : core_count(),
 		.show_progress = !options->quiet && isatty(STDERR_FILENO) };
-	struct far_counts counts;
-	uint64_t *hashes = array_grow(NULL, &(size_t){ 0 }, far_plan_units(&plan) + 1, sizeof(*hashes));
-	err = far_work_run(&work, hashes, &counts);
+	err = run_rounds(&rounds, &work, options->budget_bytes);
+	uint64_t bound = rounds.resident.bound_bytes;
 	if (!err)
-		err = far_sections_gather(&sections, &plan, folder, hashes);
-	if (!err)
-		err = far_assemble(output, pkg, &plan, &sections, folder, hashes, 0);
-	if (!err && !options->quiet)
-		report(&plan, &sections, &counts, (double)(clock_now_ns() - started) * 1e-9);
-	far_sections_finish(&sections);
-	far_plan_finish(&plan);
-	array_free(hashes);
+		err = far_assemble(output, pkg, &rounds.plan, &rounds.sections, folder, rounds.hashes, bound);
+	if (!err && !options->quiet) {
+		report(&rounds.plan, &rounds.sections, &rounds.counts, (double)(clock_now_ns() - started) * 1e-9);
+		report_budget(pkg, &rounds, options->budget_bytes);
+	}
+	if (!err && options->budget_bytes && bound > options->budget_bytes)
+		log_warn("%s: %.1f MiB must be resident at once, the budget is %.1f MiB: the local sets alone may be too large",
+			output, (double)bound / 1048576.0, (double)options->budget_bytes / 1048576.0);
+	rounds_finish(&rounds);
 	return err ? EXIT_FAILED : EXIT_DONE;
 }
 

@@ -12,6 +12,7 @@ void far_plan_finish(struct far_plan *plan)
 	ARRAY_FINISH(&plan->stretches);
 	ARRAY_FINISH(&plan->first);
 	ARRAY_FINISH(&plan->unit_first);
+	ARRAY_FINISH(&plan->levels);
 }
 
 static void select_range(const stretch_array *all, unsigned long from, unsigned long to, uint8_t *edges)
@@ -55,6 +56,9 @@ static void keep_selected(struct far_plan *plan, const uint8_t *edges)
 	plan->first.items[edge_count] = kept;
 	plan->stretches.count = kept;
 	ARRAY_PUSH(&plan->unit_first, kept);
+	ARRAY_RESERVE(&plan->levels, kept + 1);
+	memset(plan->levels.items, 0, kept + 1);
+	plan->levels.count = kept;
 }
 
 int far_plan_make(struct far_plan *plan, const struct pkg *pkg, const struct far_options *options)

@@ -8,6 +8,7 @@ struct far_plan {
 	stretch_array stretches;    /* chosen, in order; whole edges */
 	first_stretch_array first;  /* of edges, into them */
 	ARRAY(uint32_t) unit_first; /* unit u is stretches unit_first[u] to unit_first[u + 1] - 1 */
+	ARRAY(uint8_t) levels;      /* of stretches: cell_options_at_level() */
 	uint32_t cut_count;         /* stretches of the whole city */
 };
 

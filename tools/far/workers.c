@@ -104,16 +104,17 @@ static uint64_t look_at_inputs(struct worker *worker, uint32_t first, uint32_t c
 {
 	const struct far_work *work = worker->work;
 	uint64_t unit = hash_u64(count);
-	int64_t since = clock_now_ns();
+	clock_t since = clock();
 	for (uint32_t i = 0; i < count; i++) {
 		const struct pkg_stretch *stretch = &work->plan->stretches.items[first + i];
 		struct view_cell cell = view_cell_of(stretch);
 		visible_set(worker->visibility, &cell, stretch->near_mm * 1e-3, work->cells->far_m, &worker->sets[i]);
+		struct cell_options options = cell_options_at_level(work->cells, work->plan->levels.items[first + i]);
 		worker->hashes[i] =
-			cell_input_hash(stretch, &worker->sets[i], worker->object_hashes, worker->package_hash, work->cells);
+			cell_input_hash(stretch, &worker->sets[i], worker->object_hashes, worker->package_hash, &options);
 		unit = hash_u64(unit ^ worker->hashes[i]);
 	}
-	worker->times->visible_s += (double)(clock_now_ns() - since) * 1e-9;
+	worker->times->visible_s += (double)(clock() - since) / CLOCKS_PER_SEC;
 	return unit;
 }
 
@@ -127,8 +128,9 @@ static int bake_unit(struct worker *worker, uint32_t first, uint32_t count, uint
 			atomic_fetch_add(&worker->board->reused, 1);
 		} else {
 			if (!worker->baker)
-				worker->baker = cell_baker_new(work->pkg, work->cells);
-			int err = cell_baker_run(worker->baker, stretch, &worker->sets[i], worker->hashes[i], out);
+				worker->baker = cell_baker_new(work->pkg);
+			struct cell_options options = cell_options_at_level(work->cells, work->plan->levels.items[first + i]);
+			int err = cell_baker_run(worker->baker, &options, stretch, &worker->sets[i], worker->hashes[i], out);
 			if (err)
 				return err;
 			worker->times->times = *cell_baker_times(worker->baker);
@@ -165,7 +167,7 @@ static int work_on(struct worker *worker)
 	uint32_t units = far_plan_units(worker->work->plan);
 	for (uint32_t unit;
 		 !atomic_load(&worker->board->failed) && (unit = atomic_fetch_add(&worker->board->next, 1)) < units;) {
-		int err = run_unit(worker, unit);
+		int err = worker->work->skip && worker->work->skip[unit] ? 0 : run_unit(worker, unit);
 		if (err) {
 			atomic_store(&worker->board->failed, 1);
 			return err;
@@ -184,9 +186,19 @@ static void be_worker(struct worker *worker)
 	_exit(err ? 1 : 0);
 }
 
+static uint64_t stretches_to_do(const struct far_work *work)
+{
+	const struct far_plan *plan = work->plan;
+	uint64_t sum = 0;
+	for (uint32_t unit = 0; unit < far_plan_units(plan); unit++)
+		if (!work->skip || !work->skip[unit])
+			sum += plan->unit_first.items[unit + 1] - plan->unit_first.items[unit];
+	return sum;
+}
+
 static void show(const struct far_work *work, const struct board *board, int64_t started)
 {
-	uint64_t done = board->stretches, all = work->plan->stretches.count;
+	uint64_t done = board->stretches, all = stretches_to_do(work);
 	double spent = (double)(clock_now_ns() - started) * 1e-9;
 	int left = done ? (int)(spent * (double)(all - done) / (double)done + 0.5) : 0;
 	fprintf(stderr, "\r\033[Kfar field: %llu of %llu stretches, %.1f MiB", (unsigned long long)done,
@@ -270,6 +282,7 @@ int far_work_run(const struct far_work *work, uint64_t *unit_hashes, struct far_
 	}
 	struct worker *worker = array_grow(NULL, &(size_t){ 0 }, 1, sizeof(*worker));
 	*worker = (struct worker){ .work = work, .board = board };
+	memcpy(board->hashes, unit_hashes, units * sizeof(*unit_hashes));
 	worker->visibility = visibility_new(work->pkg);
 	worker->object_hashes = cell_object_hashes(work->pkg);
 	worker->package_hash = cell_package_hash(work->pkg);

@@ -13,6 +13,7 @@ struct far_work {
 	const struct far_plan *plan;
 	const struct cell_options *cells;
 	const char *folder;
+	const uint8_t *skip; /* units whose hash is known already; NULL: none */
 	unsigned jobs;
 	bool show_progress;
 };
@@ -23,7 +24,7 @@ struct far_counts {
 	struct cell_times times;
 };
 
-/* `unit_hashes` has one entry a unit. Returns 0 or -errno after logging one line. */
+/* `unit_hashes` has one entry a unit; those of skipped ones stay. Returns 0 or -errno after logging one line. */
 int far_work_run(const struct far_work *work, uint64_t *unit_hashes, struct far_counts *counts);
 
 #endif

@@ -14,9 +14,9 @@
 #include <errno.h>
 #include <math.h>
 #include <string.h>
+#include <time.h>
 #include <zlib.h>
 
-#include "platform/base/clock.h"
 #include "platform/base/log.h"
 #include "tools/impostor/capture.h"
 #include "tools/impostor/cell_looks.h"
@@ -71,15 +71,23 @@ struct cell_options cell_options_settled(const struct cell_options *options, con
 	return out;
 }
 
+struct cell_options cell_options_at_level(const struct cell_options *settled, unsigned level)
+{
+	struct cell_options out = *settled;
+	out.triangles_max = out.triangles_max >> level ? out.triangles_max >> level : 1;
+	out.pages_max = out.pages_max >> level ? out.pages_max >> level : 1;
+	return out;
+}
+
 void baked_stretch_finish(struct baked_stretch *baked)
 {
 	ARRAY_FINISH(&baked->bytes);
 }
 
-struct cell_baker *cell_baker_new(const struct pkg *pkg, const struct cell_options *options)
+struct cell_baker *cell_baker_new(const struct pkg *pkg)
 {
 	struct cell_baker *baker = array_grow(NULL, &(size_t){ 0 }, 1, sizeof(*baker));
-	*baker = (struct cell_baker){ .pkg = pkg, .options = cell_options_settled(options, pkg) };
+	*baker = (struct cell_baker){ .pkg = pkg };
 	return baker;
 }
 
@@ -111,9 +119,17 @@ const struct cell_times *cell_baker_times(const struct cell_baker *baker)
 	return &baker->times;
 }
 
+/* Processor time of this process. */
+static int64_t cpu_ns(void)
+{
+	struct timespec now;
+	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+	return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+}
+
 static void spend(double *on, int64_t *since)
 {
-	int64_t now = clock_now_ns();
+	int64_t now = cpu_ns();
 	*on += (double)(now - *since) * 1e-9;
 	*since = now;
 }
@@ -231,7 +247,7 @@ static int capture_face(
 {
 	struct capture_view view =
 		cell_face_view(cell, cell_eye(cell, pose), face, true, baker->options.focal_px * baker->options.texels_per_px);
-	int64_t since = clock_now_ns();
+	int64_t since = cpu_ns();
 	if (!crop_to_points(&view, &baker->points, 2.0 * WANTED_MARGIN_PX))
 		return 0;
 	view.near_m = 1.0;
@@ -350,7 +366,7 @@ static int make_impostor(struct cell_baker *baker, const struct view_cell *view,
 {
 	struct impostor impostor = { 0 };
 	int err = capture_all(baker, view, ahead);
-	int64_t since = clock_now_ns();
+	int64_t since = cpu_ns();
 	if (!err && baker->capture_count) {
 		cell->split_mm = split_mm(baker);
 		err = build(baker, view, &impostor);
@@ -401,7 +417,7 @@ static int look(
 	int err = baker->capturer ? 0 : capturer_open(&baker->capturer, baker->pkg);
 	if (err)
 		return err;
-	int64_t since = clock_now_ns();
+	int64_t since = cpu_ns();
 	keep_occluders(baker->pkg, &sets->near_set, &occluders);
 	err = cell_looks_draw(&baker->looks, baker->capturer, baker->pkg, view, &sets->far_set, &occluders,
 		baker->options.focal_px * LOOK_SCALE, baker->options.far_m);
@@ -444,11 +460,12 @@ static int bake_cells(struct cell_baker *baker, const struct view_cell *view, co
 	return err;
 }
 
-int cell_baker_run(struct cell_baker *baker, const struct pkg_stretch *stretch, const struct visible_sets *sets,
-	uint64_t hash, struct baked_stretch *out)
+int cell_baker_run(struct cell_baker *baker, const struct cell_options *options, const struct pkg_stretch *stretch,
+	const struct visible_sets *sets, uint64_t hash, struct baked_stretch *out)
 {
 	struct view_cell view = view_cell_of(stretch);
 	struct triangle_set seen = { 0 };
+	baker->options = *options;
 	out->bytes.count = 0;
 	out->stretch = *stretch;
 	out->stretch.local_triangles = sets->near_set.triangles;

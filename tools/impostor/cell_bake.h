@@ -23,6 +23,10 @@ struct cell_options {
 };
 struct cell_options cell_options_settled(const struct cell_options *options, const struct pkg *pkg);
 
+/* With tighter bounds on triangles and pages, so with more error and fewer bytes: half of them at every level. */
+#define CELL_LEVELS 5
+struct cell_options cell_options_at_level(const struct cell_options *settled, unsigned level);
+
 /*
  * What a stretch is made of, and its hash: two inputs with the same hash give the same bytes on one machine and driver.
  * `object_hashes` is of the package's objects.
@@ -40,20 +44,20 @@ struct baked_stretch {
 };
 void baked_stretch_finish(struct baked_stretch *baked);
 
-/* Where the time went, seconds. */
+/* Where the processor time went, seconds. */
 struct cell_times {
 	double look, capture, wanted, build, store;
 };
 
 /* One baker belongs to one thread. Opens its GL context when it first needs it. */
 struct cell_baker;
-struct cell_baker *cell_baker_new(const struct pkg *pkg, const struct cell_options *options);
+struct cell_baker *cell_baker_new(const struct pkg *pkg);
 void cell_baker_free(struct cell_baker *baker);
 const struct cell_times *cell_baker_times(const struct cell_baker *baker);
 
-/* `stretch` as stretches_cut() made it, `sets` as visible_set() did, `hash` as cell_input_hash() did. Replaces `out`.
- * Returns 0, or -errno after logging one line. */
-int cell_baker_run(struct cell_baker *baker, const struct pkg_stretch *stretch, const struct visible_sets *sets,
-	uint64_t hash, struct baked_stretch *out);
+/* `stretch` as stretches_cut() made it, `sets` as visible_set() did, `hash` as cell_input_hash() did with the same
+ * settled options. Replaces `out`. Returns 0, or -errno after logging one line. */
+int cell_baker_run(struct cell_baker *baker, const struct cell_options *options, const struct pkg_stretch *stretch,
+	const struct visible_sets *sets, uint64_t hash, struct baked_stretch *out);
 
 #endif

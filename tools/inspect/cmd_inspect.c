@@ -160,12 +160,23 @@ static cJSON *describe_cell(const struct pkg *pkg, uint32_t half)
 	return out;
 }
 
+/* An object of nothing but plain values: one line. */
+static bool is_row(const cJSON *item)
+{
+	if (!cJSON_IsObject(item) || !item->child)
+		return false;
+	for (const cJSON *field = item->child; field; field = field->next)
+		if (cJSON_IsObject(field) || cJSON_IsArray(field))
+			return false;
+	return true;
+}
+
 /* "key: value" lines, objects indented, arrays of objects one line each. */
 static void print_table(const cJSON *object, int indent)
 {
 	for (const cJSON *item = object->child; item; item = item->next) {
 		const char *key = item->string ? item->string : "";
-		if (cJSON_IsObject(item) && item->child && !cJSON_IsObject(item->child)) {
+		if (is_row(item)) {
 			printf("%*s%-22s", indent, "", key);
 			for (const cJSON *field = item->child; field; field = field->next) {
 				if (cJSON_IsString(field))
