@@ -372,9 +372,14 @@ void renderer_draw_pose(struct renderer *renderer, const struct camera_pose *pos
 void renderer_draw_truth(
 	struct renderer *renderer, const struct camera_pose *pose, const struct renderer_time *time, uint32_t *out)
 {
-	assert(renderer->config.truth);
 	renderer->primed = false;
 	prepare_frame(renderer, pose, NULL, time);
+	renderer_read_truth(renderer, out);
+}
+
+void renderer_read_truth(struct renderer *renderer, uint32_t *out)
+{
+	assert(renderer->config.truth);
 	frame_truth_begin(&renderer->truth);
 	frame_truth_draw_list(&renderer->truth, &renderer->mesh, &renderer->view, &renderer->scene.list);
 	frame_truth_end(&renderer->truth);

@@ -17,6 +17,7 @@ static const struct command {
 	{ "inspect", cmd_inspect, "what is in a package" },
 	{ "synth", cmd_synth, "a made-up city as OSM" },
 	{ "track", cmd_track, "how well a log is followed, as JSON" },
+	{ "tradeoff", cmd_tradeoff, "speed against accuracy of the representations, over a drive" },
 	{ "verify", cmd_verify, "every check a package must pass" },
 	{ "shot", cmd_shot, "a still picture of a package from any pose" },
 	{ NULL, NULL, NULL },

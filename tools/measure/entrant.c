@@ -1,0 +1,101 @@
+#include "tools/measure/entrant.h"
+
+#include <stdlib.h>
+
+#include "platform/base/clock.h"
+#include "platform/base/log.h"
+#include "tools/city/pool.h"
+
+#define ARENA_BYTES ((size_t)256 << 20) /* untouched pages cost nothing */
+
+static int open_renderer(struct entrant *entrant, const struct pkg *pkg)
+{
+	const struct entrant_config *config = &entrant->config;
+	struct display_config display = { .width = config->width, .height = config->height };
+	int status = display_open(&entrant->display, &display_surfaceless, &display);
+	if (status < 0)
+		return status;
+	struct renderer_config renderer = {
+		.width = config->width,
+		.height = config->height,
+		.samples = config->samples,
+		.gpu_budget_bytes = config->budget_bytes,
+		.far_name = config->name,
+		.tau_px = config->tau_px,
+		.deterministic = true,
+		.get_proc = display_get_proc,
+		.overlay = config->overlay,
+		.truth = true,
+	};
+	return renderer_init(&entrant->renderer, &entrant->arena, &renderer, pkg);
+}
+
+int entrant_open(struct entrant *entrant, const struct pkg *pkg, const struct entrant_config *config)
+{
+	size_t pixels = (size_t)config->width * config->height;
+	*entrant = (struct entrant){ .config = *config };
+	uint8_t *memory = malloc(ARENA_BYTES);
+	if (!memory)
+		abort();
+	arena_init(&entrant->arena, config->name, memory, ARENA_BYTES);
+	entrant->pixels = array_grow(NULL, &(size_t){ 0 }, pixels, 4);
+	entrant->truth = array_grow(NULL, &(size_t){ 0 }, pixels, sizeof(*entrant->truth));
+	entrant->lightness = array_grow(NULL, &(size_t){ 0 }, pixels, sizeof(float));
+	entrant->popping =
+		(struct popping){ .pixels = pixels, .error = array_grow(NULL, &(size_t){ 0 }, pixels, sizeof(float)) };
+	int64_t began = clock_cpu_ns();
+	int status = open_renderer(entrant, pkg);
+	entrant->start_ms = (double)(clock_cpu_ns() - began) * 1e-6;
+	if (status < 0) {
+		log_error("%s: cannot be drawn from this package", config->name);
+		entrant_close(entrant);
+	}
+	return status;
+}
+
+void entrant_close(struct entrant *entrant)
+{
+	if (entrant->display.ops)
+		display_use(&entrant->display);
+	renderer_finish(entrant->renderer);
+	display_close(&entrant->display);
+	array_free(entrant->pixels);
+	array_free(entrant->truth);
+	array_free(entrant->lightness);
+	array_free(entrant->popping.error);
+	free(entrant->arena.base);
+	*entrant = (struct entrant){ 0 };
+}
+
+/* Reading back waits for the picture, so the time is that of the whole frame. */
+int entrant_draw(struct entrant *entrant, const struct replay_frame *frame)
+{
+	int status = display_use(&entrant->display);
+	if (status < 0)
+		return status;
+	int64_t wall = clock_now_ns(), cpu = clock_cpu_ns();
+	renderer_draw_from(entrant->renderer, &frame->nav, &frame->pose, &frame->time);
+	renderer_read_pixels(entrant->renderer, entrant->pixels);
+	entrant->cpu_ms = (double)(clock_cpu_ns() - cpu) * 1e-6;
+	entrant->wall_ms = (double)(clock_now_ns() - wall) * 1e-6;
+	return 0;
+}
+
+int entrant_read_truth(struct entrant *entrant)
+{
+	int status = display_use(&entrant->display);
+	if (status < 0)
+		return status;
+	renderer_read_truth(entrant->renderer, (uint32_t *)(void *)entrant->truth);
+	return 0;
+}
+
+void entrant_see(struct entrant *entrant, float *work)
+{
+	popping_lightness(entrant->pixels, entrant->config.width, entrant->config.height, entrant->lightness, work);
+}
+
+void entrant_stats(const struct entrant *entrant, struct renderer_stats *out)
+{
+	renderer_stats(entrant->renderer, out);
+}

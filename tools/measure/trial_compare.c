@@ -1,0 +1,105 @@
+#include "tools/measure/trial_compare.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "assets/cells.h"
+#include "tools/measure/coverage.h"
+#include "tools/measure/flip.h"
+#include "tools/measure/holes.h"
+#include "tools/measure/metrics.h"
+
+#define NEAR_M 150.0 /* where the package has no stretch */
+#define PSNR_EQUAL 99.0
+
+static struct image rgb_of(const struct entrant *entrant)
+{
+	size_t pixels = (size_t)entrant->config.width * entrant->config.height;
+	struct image out = { .width = entrant->config.width,
+		.height = entrant->config.height,
+		.rgb = array_grow(NULL, &(size_t){ 0 }, pixels, 3) };
+	for (size_t i = 0; i < pixels; i++)
+		for (size_t c = 0; c < 3; c++)
+			out.rgb[3 * i + c] = entrant->pixels[4 * i + c];
+	return out;
+}
+
+static void compare_pictures(const struct entrant *full, const struct entrant *shown, struct trial_row *row)
+{
+	struct image a = rgb_of(full), b = rgb_of(shown);
+	struct image_difference difference;
+	struct image_coverage coverage;
+	struct flip_summary flip;
+	float *map = array_grow(NULL, &(size_t){ 0 }, (size_t)a.width * a.height, sizeof(float));
+	image_compare(&a, &b, &difference);
+	image_cover(&a, &b, NULL, &coverage);
+	flip_map(&a, &b, FLIP_DEFAULT_PPD, map);
+	flip_summarise(map, a.width, a.height, &flip);
+	row->psnr_db = fmin(PSNR_EQUAL, difference.psnr_db);
+	row->ssim = difference.ssim;
+	row->flip = flip.mean;
+	row->precision = coverage.precision;
+	row->recall = coverage.recall;
+	row->precision_2 = coverage.precision_within_2;
+	row->recall_2 = coverage.recall_within_2;
+	array_free(map);
+	image_finish(&a);
+	image_finish(&b);
+}
+
+/* The stretch that the car is on says what is far; from the eye. */
+static struct far_limit limit_of(const struct pkg *pkg, const struct trial_row *row, const int64_t eye_mm[3])
+{
+	if (row->stretch == PKG_NONE)
+		return (struct far_limit){ .near_m = NEAR_M };
+	const struct pkg_stretch *stretch = &pkg->stretches[row->stretch];
+	return (struct far_limit){
+		.from_m = { (double)(stretch->start_mm[0] - eye_mm[0]) * 1e-3,
+			(double)(stretch->start_mm[1] - eye_mm[1]) * 1e-3 },
+		.to_m = { (double)(stretch->end_mm[0] - eye_mm[0]) * 1e-3, (double)(stretch->end_mm[1] - eye_mm[1]) * 1e-3 },
+		.near_m = stretch->near_mm * 1e-3,
+	};
+}
+
+static void compare_truth(const struct pkg *pkg, const struct camera_pose *pose, const struct entrant *full,
+	const struct entrant *shown, struct trial_row *row)
+{
+	struct view view;
+	camera_view(pose, full->config.width, full->config.height, 1.0, 2.0, &view); /* the slices do not matter here */
+	struct truth_image reference = truth_image_of(&view, full->truth), image = truth_image_of(&view, shown->truth);
+	struct far_limit limit = limit_of(pkg, row, pose->eye_mm);
+	float *map = array_grow(NULL, &(size_t){ 0 }, (size_t)view.width * view.height, sizeof(float));
+	displacement_map(&reference, &image, map);
+	displacement_add(&row->displacement, &reference, map, &limit);
+	struct holes holes;
+	holes_find(&reference, &image, &holes, NULL);
+	row->pixels = holes.pixels;
+	row->drawn = holes.drawn;
+	row->uncovered = holes.uncovered;
+	row->cracks = holes.cracks;
+	array_free(map);
+}
+
+void trial_compare(const struct pkg *pkg, const struct replay_frame *frame, const struct entrant *full,
+	const struct entrant *shown, struct trial_row *row)
+{
+	row->compared = true;
+	compare_pictures(full, shown, row);
+	compare_truth(pkg, &frame->pose, full, shown, row);
+}
+
+int trial_write_pictures(const char *folder, uint32_t number, const struct entrant *full, const struct entrant *shown)
+{
+	char path[PATH_MAX];
+	struct image a = rgb_of(full), b = rgb_of(shown);
+	snprintf(path, sizeof(path), "%s/%s-%06u.png", folder, shown->config.name, number);
+	int status = image_write_png(&b, path);
+	if (status == 0 && shown != full) {
+		snprintf(path, sizeof(path), "%s/%s-%06u-difference.png", folder, shown->config.name, number);
+		status = image_write_difference(&a, &b, path);
+	}
+	image_finish(&a);
+	image_finish(&b);
+	return status;
+}

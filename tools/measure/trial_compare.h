@@ -1,0 +1,16 @@
+/* One frame of a representation against `full`: picture, holes, displacement. About 2 s of CPU time at 1280 x 720. */
+#ifndef BLVD_TOOLS_MEASURE_TRIAL_COMPARE_H
+#define BLVD_TOOLS_MEASURE_TRIAL_COMPARE_H
+
+#include "tools/measure/entrant.h"
+#include "tools/measure/trial_row.h"
+
+/* Both entrants have drawn the frame and its truth. Fills in the row's compared part. */
+void trial_compare(const struct pkg *pkg, const struct replay_frame *frame, const struct entrant *full,
+	const struct entrant *shown, struct trial_row *row);
+
+/* Writes NAME-NUMBER.png of a representation, and unless it is `full`, NAME-NUMBER-difference.png. Returns 0 or -EIO.
+ */
+int trial_write_pictures(const char *folder, uint32_t number, const struct entrant *full, const struct entrant *shown);
+
+#endif
