@@ -42,10 +42,9 @@ static void make_mesh(const struct view_cell *cell, const struct impostor_captur
 			continue;
 		if (options->triangles_max) {
 			size_t left = options->triangles_max > used ? options->triangles_max - used : 0;
-			share.triangles_max = (uint32_t)(left * outlines[i] / outline);
+			share.triangles_max = (uint32_t)(used + left * outlines[i] / outline);
 		}
-		if (!options->triangles_max || share.triangles_max)
-			impostor_mesh_add(mesh, cell, &captures[i], owners[i], (uint8_t)i, &share);
+		impostor_mesh_add(mesh, cell, &captures[i], owners[i], (uint8_t)i, &share);
 	}
 	pool_finish(&pool);
 }

@@ -71,7 +71,7 @@ void impostor_mesh_finish(struct impostor_mesh *mesh);
 /*
  * tools/impostor/mesh.c: adds the patches of one capture to `mesh`. `owner` has one entry a pixel of the capture: not 0
  * where this capture has to show the pixel, 0 where it is empty or an earlier capture shows it. error_px and over_share
- * are raised to what this capture adds.
+ * are raised to what this capture adds. options->triangles_max bounds the mesh as a whole, earlier captures included.
  */
 void impostor_mesh_add(struct impostor_mesh *mesh, const struct view_cell *cell, const struct impostor_capture *capture,
 	const uint8_t *owner, uint8_t view, const struct impostor_options *options);
