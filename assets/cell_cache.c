@@ -59,6 +59,8 @@ static struct cell_cache_config with_defaults(const struct pkg *pkg, const struc
 	full.latency_updates = full.latency_updates ? full.latency_updates : LATENCY_DEFAULT;
 	for (uint32_t i = 0; !config->staging_bytes && i < pkg->stretch_count; i++) {
 		uint64_t bytes = cell_loader_staging_bytes(config, pkg, i);
+		if (cell_loader_copies_pvs(config) && bytes > CELL_STAGING_MAX)
+			continue;
 		full.staging_bytes = bytes > full.staging_bytes ? bytes : full.staging_bytes;
 	}
 	return full;
@@ -76,10 +78,13 @@ static uint64_t parts_of(const struct pkg_blob *blob, uint64_t triangles)
 	return 2 * objects < triangles ? 2 * objects : triangles;
 }
 
-void cell_cache_limits(const struct pkg *pkg, const struct cell_cache_config *config, struct cell_limits *out)
+void cell_cache_limits(const struct pkg *pkg, const struct cell_cache_config *given, struct cell_limits *out)
 {
+	const struct cell_cache_config full = with_defaults(pkg, given), *config = &full;
 	*out = (struct cell_limits){ 0 };
 	for (uint32_t i = 0; i < pkg->stretch_count; i++) {
+		if (cell_loader_staging_bytes(config, pkg, i) > config->staging_bytes)
+			continue;
 		const struct pkg_stretch *stretch = &pkg->stretches[i];
 		const struct pkg_cell *cells = &pkg->cells[2 * (uint64_t)i];
 		raise(&out->local_indices, stretch->local_triangles * 3ull);

@@ -27,6 +27,7 @@
 #include "platform/base/arena.h"
 
 #define CELL_SLOT_NONE UINT32_MAX
+#define CELL_STAGING_MAX (2u << 20) /* so that one bad stretch does not make all slots large */
 
 enum cell_state {
 	CELL_EMPTY,     /* not asked for, or the slot has been given to another stretch */
@@ -88,7 +89,8 @@ enum cell_pvs {
 struct cell_cache_config {
 	uint32_t slot_count;    /* default 16; more than the wanted and the pinned together, or some wait */
 	uint32_t staging_count; /* default 3 */
-	uint64_t staging_bytes; /* of one; default: what the package's largest stretch needs */
+	uint64_t staging_bytes; /* of one; default: what the package's largest stretch needs, but with CELL_PVS_WHERE_NEEDED
+							   no more than CELL_STAGING_MAX. Stretches that need more are TOO_LARGE */
 	bool without_impostors; /* load local sets and, by `pvs`, visible sets only */
 	enum cell_pvs pvs;
 	uint8_t (*look_of)(uint32_t kinds); /* look of triangles whose materials are of these kinds, bits 1 << enum

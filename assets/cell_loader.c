@@ -53,6 +53,8 @@ static uint32_t largest_set(const struct pkg *pkg, const struct cell_cache_confi
 	uint32_t most = 0;
 	for (uint32_t i = 0; i < pkg->stretch_count; i++) {
 		const struct pkg_stretch *stretch = &pkg->stretches[i];
+		if (cell_loader_staging_bytes(config, pkg, i) > config->staging_bytes)
+			continue;
 		most = stretch->local.raw_bytes > most ? stretch->local.raw_bytes : most;
 		if (cell_loader_wants_pvs(config, pkg, i) && stretch->pvs.raw_bytes > most)
 			most = stretch->pvs.raw_bytes;

@@ -197,10 +197,12 @@ static bool place(struct residency *residency, uint32_t id)
 	return true;
 }
 
-/* Places the chunk at order[at]; chunks clearly farther away (10 % and 50 m, against to and fro) make room for it. */
-static bool place_nearer(struct residency *residency, uint32_t at, uint32_t *last)
+/* Places the chunk at order[at], which is wanted; chunks that are not, and chunks clearly farther away (10 % and 50 m,
+ * against to and fro), make room for it. */
+static bool place_nearer(struct residency *residency, uint32_t at, uint64_t far_key, uint32_t *last)
 {
 	uint64_t key = residency->key[at], farther = key + key / 4 + 2500;
+	farther = farther < far_key ? farther : far_key;
 	while (!place(residency, residency->order[at])) {
 		while (*last > at && residency->chunks[residency->order[*last]].state != RESIDENCY_PRESENT)
 			--*last;
@@ -229,14 +231,14 @@ void residency_update(struct residency *residency, const int64_t eye_mm[3], int6
 	if (!count || (residency->whole && residency->present + residency->damaged == count))
 		return;
 	resort(residency, eye_mm);
-	uint64_t far_m = (uint64_t)(far_mm / 1000), used = 0;
+	uint64_t far_m = (uint64_t)(far_mm / 1000), far_key = far_m * far_m, used = 0;
 	bool full = false;
 	uint32_t last = count - 1;
 	residency->pending_bytes = 0;
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t id = residency->order[i];
 		struct residency_chunk *chunk = &residency->chunks[id];
-		if (!residency->whole && residency->key[i] > far_m * far_m)
+		if (!residency->whole && residency->key[i] > far_key)
 			break;
 		if (chunk->state != RESIDENCY_ABSENT)
 			continue;
@@ -245,7 +247,7 @@ void residency_update(struct residency *residency, const int64_t eye_mm[3], int6
 			residency->pending_bytes += bytes;
 			continue;
 		}
-		if (!place_nearer(residency, i, &last)) {
+		if (!place_nearer(residency, i, far_key, &last)) {
 			residency->dropped++;
 			residency->pending_bytes += bytes;
 			full = true;

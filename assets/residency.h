@@ -43,6 +43,14 @@ struct residency {
 /* Bytes of all of a package's chunks. */
 void residency_totals(const struct pkg *pkg, uint64_t *vertices, uint64_t *indices);
 
+/* The most that the chunks within a radius of a place on any street sum up to, vertices and indices each for itself.
+ * Memory from the arena is given back. Returns 0 or -ENOMEM. */
+int residency_bound(const struct pkg *pkg, struct arena *arena, double radius_m, uint64_t *vertices, uint64_t *indices);
+
+/* Pools in which all chunks within a radius of the eye find room, wherever on a street it is: that bound, a share for
+ * the holes between chunks, and two of the largest; never more than all. Returns 0 or -ENOMEM. */
+int residency_pools(const struct pkg *pkg, struct arena *arena, double radius_m, uint64_t *vertices, uint64_t *indices);
+
 /* Capacities in vertices and indices. Returns 0 or -ENOMEM. */
 int residency_init(struct residency *residency, struct arena *arena, const struct pkg *pkg, uint32_t vertex_capacity,
 	uint32_t index_capacity);

@@ -208,6 +208,8 @@ static int start(struct machine *m)
 	if (open_display(m) < 0)
 		return EXIT_CODE_FAILED;
 	status = open_renderer(m);
+	if (status == -EFBIG)
+		return EXIT_CODE_BAD_INPUT;
 	if (status < 0)
 		return status == -EINVAL ? EXIT_CODE_USAGE : EXIT_CODE_FAILED;
 	return EXIT_CODE_DONE;

@@ -25,7 +25,9 @@
 static uint32_t slots_that_fit(const struct far_cells *cells)
 {
 	uint64_t one = cell_store_slot_bytes(&cells->store.limits), layers = cells->store.limits.impostor_pages;
-	uint64_t count = one ? STORE_BYTES / one : SLOTS_MAX, most = gfx_caps(cells->repr->gfx)->max_array_layers;
+	uint64_t room = cells->repr->config.slots_bytes ? cells->repr->config.slots_bytes : STORE_BYTES;
+	uint64_t count = one ? (room < STORE_BYTES ? room : STORE_BYTES) / one : SLOTS_MAX,
+			 most = gfx_caps(cells->repr->gfx)->max_array_layers;
 	if (layers && count > most / layers)
 		count = most / layers;
 	return count > SLOTS_MAX ? SLOTS_MAX : count < SLOTS_MIN ? SLOTS_MIN : (uint32_t)count;
@@ -209,7 +211,7 @@ double far_cells_reach_m(const struct far_cells *cells)
 {
 	if (cells->rung == CELLS_OUTSIDE || cells->distant_chunks)
 		return cells->repr->config.far_m;
-	return AROUND_M * 2.0;
+	return cells->repr->config.reach_m > 0.0 ? cells->repr->config.reach_m : AROUND_M * 2.0;
 }
 
 uint32_t far_cells_in_view(const struct pkg_stretch *stretch, const struct view *view)

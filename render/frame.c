@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "assets/resident.h"
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
 #include "render/frame_block.h"
@@ -24,6 +25,7 @@
 #define DEFAULT_SLICE_BYTES (UINT64_C(4) << 20)
 #define DEFAULT_FAR_M 6000.0
 #define DEFAULT_FOV_DEG 45.0
+#define OVERLAY_BYTES (UINT64_C(3) << 20) /* for what is drawn on top, and small things */
 #define SPLIT_M 150.0
 #define JUMP_MM 200000
 #define SEE_AHEAD_M 180.0 /* of the route, past buildings */
@@ -105,12 +107,51 @@ static struct camera_pose opening_pose(const struct pkg *pkg)
 	return pose;
 }
 
+/* What the city may take; a budget that is nearly all overlay is refused later, by what lacks room. */
+static uint64_t city_budget(const struct renderer *renderer)
+{
+	uint64_t budget = renderer->config.gpu_budget_bytes;
+	return renderer->config.overlay && budget > 2 * OVERLAY_BYTES ? budget - OVERLAY_BYTES : budget;
+}
+
+/* What is left of the budget for the cells' slots, once the textures and the geometry within reach have theirs. Returns
+ * -EFBIG after saying so when the package needs more than that. */
+static int share_budget(
+	const struct renderer *renderer, struct arena *arena, struct resident_need *need, uint64_t *slots_bytes)
+{
+	const struct renderer_config *config = &renderer->config;
+	uint64_t used = gfx_stats(renderer->gfx)->bytes, budget = city_budget(renderer);
+	uint64_t left = budget > used ? budget - used : 0;
+	int status = resident_need(renderer->pkg, arena, need);
+	if (status < 0)
+		return status;
+	uint64_t bound = renderer->pkg->meta->resident_bound_bytes;
+	bound = bound > need->sum ? bound : need->sum;
+	if (bound > left) {
+		log_error(
+			"the package needs %.1f MiB resident for its cells, the budget leaves %.1f MiB at %u x %u and %u samples",
+			(double)bound / 1048576.0, (double)left / 1048576.0, config->width, config->height, config->samples);
+		return -EFBIG;
+	}
+	*slots_bytes = left - need->textures - need->geometry;
+	return 0;
+}
+
 static int make_scene(struct renderer *renderer, struct arena *arena, const struct repr_ops *far_ops)
 {
 	const struct renderer_config *config = &renderer->config;
+	struct resident_need need = { 0 };
+	uint64_t slots_bytes = 0;
+	if (far_ops->reach_m && renderer->pkg->stretches) {
+		int status = share_budget(renderer, arena, &need, &slots_bytes);
+		if (status < 0)
+			return status;
+	}
 	struct repr_config repr_config = {
 		.tau_px = config->tau_px,
 		.upload_slice_bytes = config->upload_slice_bytes,
+		.slots_bytes = slots_bytes,
+		.reach_m = need.reach_m,
 		.far_m = config->far_m,
 		.deterministic = config->deterministic,
 		.truth = config->truth,
@@ -118,7 +159,7 @@ static int make_scene(struct renderer *renderer, struct arena *arena, const stru
 	};
 	int err = scene_init(&renderer->scene, arena, renderer->gfx, &renderer->mesh, renderer->pkg, far_ops, &repr_config);
 	if (!err)
-		err = near_mesh_init(&renderer->mesh, arena, renderer->gfx, renderer->pkg, config->gpu_budget_bytes);
+		err = near_mesh_init(&renderer->mesh, arena, renderer->gfx, renderer->pkg, city_budget(renderer), need.reach_m);
 	if (err)
 		return err;
 	if (renderer->config.overlay)
@@ -152,7 +193,8 @@ int renderer_init(
 	if (!err)
 		err = make_scene(renderer, city_arena, far_ops);
 	if (err) {
-		log_error("renderer: cannot start: %s", strerror(-err));
+		if (err != -EFBIG) /* which has been told */
+			log_error("renderer: cannot start: %s", strerror(-err));
 		renderer_finish(renderer);
 		return err;
 	}

@@ -57,7 +57,8 @@ struct renderer_stats {
 	uint32_t samples;
 };
 
-/* Returns 0; -ENOMEM when an arena or the GPU budget is too small; -EINVAL when far_name is unknown or a shader does
+/* Returns 0; -ENOMEM when an arena or the GPU budget is too small; -EFBIG when the package's own bound of what must be
+ * resident for its cells is more than the budget leaves; -EINVAL when far_name is unknown or a shader does
  * not compile; -ENOTSUP when the context is too old. Logs one line on failure. `pkg` is borrowed until
  * renderer_finish(). */
 int renderer_init(

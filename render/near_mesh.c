@@ -81,18 +81,25 @@ static int make_pipelines(struct near_mesh *mesh)
 	return err;
 }
 
-/* Pools in proportion to what the city has of each; at least one chunk's worth. */
-static int make_pools(struct near_mesh *mesh, struct arena *arena, uint64_t left_bytes)
+/* Pools of the whole city, else of what is wanted at once, else of what is left in proportion to that. */
+static int make_pools(struct near_mesh *mesh, struct arena *arena, uint64_t left_bytes, double reach_m)
 {
 	const uint64_t vertex_bytes = sizeof(struct pkg_mesh_vertex), limit = UINT32_MAX;
 	uint64_t vertices, indices;
+	int err = 0;
 	residency_totals(mesh->pkg, &vertices, &indices);
 	uint64_t wanted = vertices * vertex_bytes + indices * 2;
+	if (wanted > left_bytes && reach_m > 0.0) {
+		err = residency_pools(mesh->pkg, arena, reach_m, &vertices, &indices);
+		wanted = vertices * vertex_bytes + indices * 2;
+	}
+	if (err)
+		return err;
 	if (wanted > left_bytes && wanted) {
 		double share = (double)left_bytes / (double)wanted;
 		vertices = (uint64_t)((double)vertices * share);
 		indices = (uint64_t)((double)indices * share);
-		log_info("the city's %.0f MiB of geometry are held %.0f MiB at a time", (double)wanted / 1048576.0,
+		log_info("the %.0f MiB of geometry around the eye are held %.0f MiB at a time", (double)wanted / 1048576.0,
 			(double)left_bytes / 1048576.0);
 	}
 	if (vertices > limit / vertex_bytes)
@@ -103,7 +110,7 @@ static int make_pools(struct near_mesh *mesh, struct arena *arena, uint64_t left
 	struct gfx_buffer_desc index_pool = { .kind = GFX_BUFFER_INDEX, .bytes = (uint32_t)(indices * 2) };
 	vertex_pool.bytes = vertex_pool.bytes ? vertex_pool.bytes : (uint32_t)vertex_bytes;
 	index_pool.bytes = index_pool.bytes ? index_pool.bytes : 2;
-	int err = gfx_buffer_create(mesh->gfx, &vertex_pool, &mesh->vertices);
+	err = gfx_buffer_create(mesh->gfx, &vertex_pool, &mesh->vertices);
 	if (!err)
 		err = gfx_buffer_create(mesh->gfx, &index_pool, &mesh->indices);
 	if (!err)
@@ -127,8 +134,8 @@ static int make_runs(struct near_mesh *mesh, struct arena *arena)
 	return mesh->runs ? 0 : -ENOMEM;
 }
 
-int near_mesh_init(
-	struct near_mesh *mesh, struct arena *arena, struct gfx *gfx, const struct pkg *pkg, uint64_t budget_bytes)
+int near_mesh_init(struct near_mesh *mesh, struct arena *arena, struct gfx *gfx, const struct pkg *pkg,
+	uint64_t budget_bytes, double reach_m)
 {
 	*mesh = (struct near_mesh){ .gfx = gfx, .pkg = pkg };
 	int err = make_pipelines(mesh);
@@ -144,7 +151,7 @@ int near_mesh_init(
 			(double)budget_bytes / 1048576.0, (double)used / 1048576.0);
 		return -ENOMEM;
 	}
-	return make_pools(mesh, arena, budget_bytes - used);
+	return make_pools(mesh, arena, budget_bytes - used, reach_m);
 }
 
 void near_mesh_finish(struct near_mesh *mesh)

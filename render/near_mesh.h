@@ -47,10 +47,11 @@ struct near_mesh {
 	uint32_t *first_run, *run_count;
 };
 
-/* Makes all GL objects; the pools take what the city needs, or what is left of `budget_bytes`. Returns 0, -ENOMEM or
- * -EINVAL. */
-int near_mesh_init(
-	struct near_mesh *mesh, struct arena *arena, struct gfx *gfx, const struct pkg *pkg, uint64_t budget_bytes);
+/* Makes all GL objects. The pools take the whole city if that fits into what is left of `budget_bytes`; otherwise what
+ * the chunks within `reach_m` of an eye over a street need (0: as much as there is room for), or what is left. Returns
+ * 0, -ENOMEM or -EINVAL. */
+int near_mesh_init(struct near_mesh *mesh, struct arena *arena, struct gfx *gfx, const struct pkg *pkg,
+	uint64_t budget_bytes, double reach_m);
 void near_mesh_finish(struct near_mesh *mesh);
 
 void near_mesh_load(struct near_mesh *mesh, const int64_t eye_mm[3], double far_m, uint64_t slice_bytes);

@@ -29,9 +29,11 @@ enum repr_show {
 struct repr_config {
 	double tau_px; /* accuracy asked for; what is stored with a larger error is drawn as geometry where it can be */
 	uint64_t upload_slice_bytes;
-	double far_m;       /* nothing is drawn beyond */
-	bool deterministic; /* loading takes the same number of frames, whatever the machine's speed */
-	bool truth;         /* draw_truth() will be called */
+	uint64_t slots_bytes; /* what it may take on the GPU for what it loads; at least RESIDENT_SLOTS slots */
+	double reach_m;       /* how far from an eye on a street the near geometry has room to be resident */
+	double far_m;         /* nothing is drawn beyond */
+	bool deterministic;   /* loading takes the same number of frames, whatever the machine's speed */
+	bool truth;           /* draw_truth() will be called */
 	enum repr_show show;
 };
 

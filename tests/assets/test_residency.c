@@ -1,4 +1,5 @@
 /* The range pool against a plain model; chunks that come and go under a fixed budget. */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -89,6 +90,12 @@ struct city {
 	uint64_t uploaded_bytes;
 };
 
+static void sign_chunk(struct city *city, struct pkg_chunk *chunk)
+{
+	uLong crc = crc32(0, city->geometry + chunk->vertex_offset, CHUNK_VERTICES * sizeof(struct pkg_mesh_vertex));
+	chunk->crc32 = (uint32_t)crc32(crc, city->geometry + chunk->index_offset, chunk->index_count[0] * 2);
+}
+
 static struct city *make_city(void)
 {
 	struct city *city = calloc(1, sizeof(*city));
@@ -105,8 +112,7 @@ static struct city *make_city(void)
 		uint16_t *indices = (uint16_t *)(void *)(city->geometry + chunk->index_offset);
 		for (uint16_t k = 0; k < CHUNK_INDICES; k++)
 			indices[k] = k % CHUNK_VERTICES;
-		uLong crc = crc32(0, city->geometry + chunk->vertex_offset, CHUNK_VERTICES * sizeof(struct pkg_mesh_vertex));
-		chunk->crc32 = (uint32_t)crc32(crc, (const Bytef *)indices, CHUNK_INDICES * 2);
+		sign_chunk(city, chunk);
 	}
 	city->meta.max_mm[0] = city->meta.max_mm[1] = SIDE * STEP_MM;
 	city->pkg = (struct pkg){ .meta = &city->meta,
@@ -214,6 +220,97 @@ static void standing_still_loads_nothing_more(void **state)
 	free(city);
 }
 
+/* Streets along every other row of chunks; the chunks of one quarter are three times as large. */
+static void add_streets(struct city *city, struct pkg_edge edges[SIDE / 2], struct pkg_point points[SIDE])
+{
+	for (uint32_t i = 0; i < SIDE / 2; i++) {
+		points[2 * i] = (struct pkg_point){ { 0, (int32_t)(2 * i) * STEP_MM + 20000 } };
+		points[2 * i + 1] = (struct pkg_point){ { SIDE * STEP_MM, (int32_t)(2 * i) * STEP_MM + 20000 } };
+		edges[i] = (struct pkg_edge){ .first_point = 2 * i, .point_count = 2 };
+	}
+	city->pkg.graph =
+		(struct pkg_graph){ .edges = edges, .edge_count = SIDE / 2, .points = points, .point_count = SIDE };
+	for (uint32_t i = 0; i < CHUNKS; i++)
+		if (i % SIDE < SIDE / 2 && i / SIDE < SIDE / 2)
+			city->chunks[i].index_count[0] *= 3;
+}
+
+/* Indices of all chunks within a radius of a place. */
+static uint64_t indices_near(const struct city *city, const int64_t eye_mm[2], double radius_mm)
+{
+	uint64_t sum = 0;
+	for (uint32_t i = 0; i < CHUNKS; i++) {
+		double out[2];
+		for (int axis = 0; axis < 2; axis++)
+			out[axis] = fmax(fmax((double)(city->chunks[i].min_mm[axis] - eye_mm[axis]),
+								 (double)(eye_mm[axis] - city->chunks[i].max_mm[axis])),
+				0.0);
+		if (out[0] * out[0] + out[1] * out[1] <= radius_mm * radius_mm)
+			sum += city->chunks[i].index_count[0];
+	}
+	return sum;
+}
+
+static void the_bound_holds_on_every_street(void **state)
+{
+	(void)state;
+	struct city *city = make_city();
+	struct pkg_edge edges[SIDE / 2];
+	struct pkg_point points[SIDE];
+	add_streets(city, edges, points);
+	struct arena arena = fresh_arena();
+	for (double radius_m = 0.0; radius_m < 500.0; radius_m += 60.0) {
+		uint64_t vertices, indices, most = 0, most_beyond = 0;
+		size_t used = arena.used;
+		assert_int_equal(residency_bound(&city->pkg, &arena, radius_m, &vertices, &indices), 0);
+		assert_int_equal(arena.used, used);
+		for (int64_t row = 0; row < SIDE; row += 2) {
+			for (int64_t x = 0; x <= SIDE * STEP_MM; x += 7000) {
+				const int64_t eye[2] = { x, row * STEP_MM + 20000 };
+				uint64_t sum = indices_near(city, eye, radius_m * 1000.0);
+				uint64_t beyond = indices_near(city, eye, radius_m * 1000.0 + 50000.0);
+				most = sum > most ? sum : most;
+				most_beyond = beyond > most_beyond ? beyond : most_beyond;
+			}
+		}
+		assert_true(indices >= most);
+		assert_true(indices <= most_beyond); /* and is not far above */
+		assert_true(vertices < CHUNKS * CHUNK_VERTICES);
+	}
+	free(city);
+}
+
+static void pools_of_that_size_hold_all_that_is_near(void **state)
+{
+	(void)state;
+	struct city *city = make_city();
+	struct pkg_edge edges[SIDE / 2];
+	struct pkg_point points[SIDE];
+	add_streets(city, edges, points);
+	for (uint32_t i = 0; i < CHUNKS; i++) { /* sizes of all kinds: holes */
+		city->chunks[i].index_count[0] = 3 + 3 * (i * 7 % 5);
+		sign_chunk(city, &city->chunks[i]);
+	}
+	struct arena arena = fresh_arena();
+	uint64_t vertices, indices;
+	assert_int_equal(residency_pools(&city->pkg, &arena, 200.0, &vertices, &indices), 0);
+	assert_true(vertices < CHUNKS * CHUNK_VERTICES / 2);
+	struct residency residency;
+	residency_init(&residency, &arena, &city->pkg, (uint32_t)vertices, (uint32_t)indices);
+	for (int lap = 0; lap < 3; lap++) {
+		for (int64_t row = 0; row < SIDE; row += 2) {
+			for (int64_t x = 0; x <= SIDE * STEP_MM; x += 5000) {
+				const int64_t eye[3] = { row % 4 ? SIDE * STEP_MM - x : x, row * STEP_MM + 20000, 0 };
+				residency_update(&residency, eye, 200000, UINT64_MAX, count_upload, city);
+				assert_int_equal(residency.pending_bytes, 0);
+			}
+		}
+	}
+	assert_int_equal(residency.dropped, 0);
+	assert_true(residency.evicted > 0);
+	free(city);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -222,6 +319,8 @@ int main(void)
 		cmocka_unit_test(a_damaged_chunk_is_left_out_and_counted),
 		cmocka_unit_test(a_small_pool_holds_what_is_near_and_never_grows),
 		cmocka_unit_test(standing_still_loads_nothing_more),
+		cmocka_unit_test(the_bound_holds_on_every_street),
+		cmocka_unit_test(pools_of_that_size_hold_all_that_is_near),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
