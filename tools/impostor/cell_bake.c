@@ -1,7 +1,7 @@
 /*
  * The steps for one stretch. Looks from all over the view cell, shared by both cells, say which distant pixels are ever
- * seen; then each cell is captured from where new surfaces come into view: start, end and middle of the axis, and both
- * sides of either end. Captures are no larger than what is seen in them.
+ * seen; then each cell is captured from its middle, and from where most is seen that no capture shows yet, until little
+ * is left (cell_cover.h). Captures are no larger than what they have to show.
  *
  * What is kept of a cell:
  *   nothing   when no look sees a distant pixel in its half-space;
@@ -19,21 +19,27 @@
 
 #include "platform/base/log.h"
 #include "tools/impostor/capture.h"
+#include "tools/impostor/cell_cover.h"
 #include "tools/impostor/cell_looks.h"
 #include "tools/impostor/cell_views.h"
 #include "tools/impostor/impostor.h"
 #include "tools/impostor/wanted.h"
 
 #define FOCAL_PX 869.0
-#define TEXELS_PER_PX 1.25
+#define TEXELS_PER_PX 1.0
+#define CAPTURE_SCALE 1.25 /* pixels of a capture a texel */
 #define TRIANGLES_MAX 3000
 #define PAGES_MAX 16
 #define LOOK_SCALE 0.5 /* of the screen's resolution */
 #define WANTED_MARGIN_PX 16
 #define GEOMETRY_TRIANGLES 400
 #define RELAX_TRIES 3
-#define MIDDLE_M 12.0 /* a shorter view cell needs no capture from its middle */
-#define CAPTURES_MAX 21
+#define CAPTURES_MAX 24
+#define EYES_MAX 8
+#define LEFT_MAX 16 /* points of a look, four of its pixels each, that may stay uncovered: 0.03 % of the screen */
+#define FIRST_MARGIN_PX (2.0 * WANTED_MARGIN_PX)
+#define MARGIN_PX 16.0 /* around what is left, for surfaces to go on under what hides them */
+#define WANTED_RADIUS_PX 7
 #define DEFLATE_LEVEL 6
 
 struct cell_baker {
@@ -41,7 +47,7 @@ struct cell_baker {
 	struct cell_options options;
 	struct capturer *capturer;
 	struct cell_looks looks;
-	point_array points;
+	cover_array points;
 	struct impostor_capture captures[CAPTURES_MAX];
 	size_t capture_count;
 	byte_array raw;
@@ -209,31 +215,6 @@ static void keep_occluders(const struct pkg *pkg, const struct triangle_set *nea
 
 /* --- captures --- */
 
-/* The part of a view that points fall into, widened by a margin. False: none. */
-static bool crop_to_points(struct capture_view *view, const point_array *points, double margin_px)
-{
-	double min_x = INFINITY, min_y = INFINITY, max_x = -INFINITY, max_y = -INFINITY;
-	for (size_t i = 0; i < points->count; i++) {
-		double x, y, z;
-		if (!capture_project(view, points->items[i], &x, &y, &z) || x < 0.0 || y < 0.0 || x > view->width ||
-			y > view->height)
-			continue;
-		min_x = fmin(min_x, x);
-		max_x = fmax(max_x, x);
-		min_y = fmin(min_y, y);
-		max_y = fmax(max_y, y);
-	}
-	if (!(max_x >= min_x))
-		return false;
-	double left = fmax(floor(min_x - margin_px), 0.0), top = fmax(floor(min_y - margin_px), 0.0);
-	double right = fmin(ceil(max_x + margin_px), view->width), bottom = fmin(ceil(max_y + margin_px), view->height);
-	view->centre_x -= left;
-	view->centre_y -= top;
-	view->width = (uint32_t)(right - left);
-	view->height = (uint32_t)(bottom - top);
-	return view->width && view->height;
-}
-
 static bool any(const uint8_t *bytes, size_t count)
 {
 	for (size_t i = 0; i < count; i++)
@@ -242,13 +223,15 @@ static bool any(const uint8_t *bytes, size_t count)
 	return false;
 }
 
+/* One face from an eye. The first eye shows whatever is wanted, the others only what is left. */
 static int capture_face(
-	struct cell_baker *baker, const struct view_cell *cell, const struct cell_pose *pose, enum cell_face face)
+	struct cell_baker *baker, const struct view_cell *cell, struct dvec3 eye, enum cell_face face, bool first)
 {
-	struct capture_view view =
-		cell_face_view(cell, cell_eye(cell, pose), face, true, baker->options.focal_px * baker->options.texels_per_px);
+	double focal_px = baker->options.focal_px * baker->options.texels_per_px * CAPTURE_SCALE;
+	struct capture_view view = cell_face_view(cell, eye, face, true, focal_px);
 	int64_t since = cpu_ns();
-	if (!crop_to_points(&view, &baker->points, 2.0 * WANTED_MARGIN_PX))
+	if (baker->capture_count == CAPTURES_MAX ||
+		!cover_crop(&baker->points, &baker->looks, first ? NULL : &eye, first ? FIRST_MARGIN_PX : MARGIN_PX, &view))
 		return 0;
 	view.near_m = 1.0;
 	view.far_m = baker->options.far_m;
@@ -259,8 +242,11 @@ static int capture_face(
 		return err;
 	size_t pixels = (size_t)view.width * view.height;
 	capture->wanted = array_grow(NULL, &(size_t){ 0 }, pixels, 1);
-	impostor_wanted(baker->looks.images.items, baker->looks.count, &capture->image, WANTED_MARGIN_PX, capture->wanted);
-	spend(&baker->times.wanted, &since);
+	if (first)
+		impostor_wanted(
+			baker->looks.images.items, baker->looks.count, &capture->image, WANTED_MARGIN_PX, capture->wanted);
+	else
+		cover_wanted(&baker->points, &baker->looks, &capture->image, WANTED_RADIUS_PX, capture->wanted);
 	baker->capture_count++;
 	if (!any(capture->wanted, pixels)) {
 		baker->capture_count--;
@@ -268,35 +254,40 @@ static int capture_face(
 		array_free(capture->wanted);
 		capture->wanted = NULL;
 	}
+	spend(&baker->times.wanted, &since);
 	return 0;
 }
 
+/* All faces from an eye; then what they show is struck off. */
+static int capture_eye(struct cell_baker *baker, const struct view_cell *cell, struct dvec3 eye, bool first)
+{
+	static const enum cell_face faces[] = { CELL_FRONT, CELL_LEFT, CELL_RIGHT };
+	size_t before = baker->capture_count;
+	for (size_t face = 0; face < 3; face++) {
+		int err = capture_face(baker, cell, eye, faces[face], first);
+		if (err)
+			return err;
+	}
+	int64_t since = cpu_ns();
+	for (size_t i = before; i < baker->capture_count; i++)
+		cover_strike(&baker->points, &baker->captures[i].image, baker->captures[i].wanted);
+	spend(&baker->times.wanted, &since);
+	return 0;
+}
+
+/* The middle first, where the eye is never far; then wherever most is left to show. */
 static int capture_all(struct cell_baker *baker, const struct view_cell *cell, const struct triangle_set *ahead)
 {
-	static const struct cell_pose poses[] = {
-		{ .along = 0, .behind = true, .height = 0.6 },
-		{ .along = 1, .beyond = true, .height = 0.6 },
-		{ .along = 0.5, .height = 0.6 },
-		{ .along = 0, .behind = true, .aside = -1, .height = 1 },
-		{ .along = 0, .behind = true, .aside = 1, .height = 1 },
-		{ .along = 1, .beyond = true, .aside = -1, .height = 1 },
-		{ .along = 1, .beyond = true, .aside = 1, .height = 1 },
-	};
-	static const enum cell_face faces[] = { CELL_FRONT, CELL_LEFT, CELL_RIGHT };
-	double length = hypot(cell->end.x - cell->start.x, cell->end.y - cell->start.y) + 2.0 * cell->overrun_m;
+	static const struct cell_pose middle = { .along = 0.5, .height = 0.6 };
+	struct dvec3 eye = cell_eye(cell, &middle);
 	capturer_use(baker->capturer, ahead);
-	for (size_t i = 0; i < sizeof(poses) / sizeof(poses[0]); i++) {
-		bool middle = !poses[i].behind && !poses[i].beyond;
-		for (size_t face = 0; face < 3 && !(middle && length < MIDDLE_M); face++) {
-			int err = capture_face(baker, cell, &poses[i], faces[face]);
-			if (err)
-				return err;
-		}
-	}
-	return 0;
+	int err = capture_eye(baker, cell, eye, true);
+	for (int i = 1; i < EYES_MAX && !err && cover_next(&baker->points, &baker->looks, LEFT_MAX, &eye); i++)
+		err = capture_eye(baker, cell, eye, false);
+	return err;
 }
 
-/* Depth of the nearest wanted pixel of the first pose. */
+/* Depth of the nearest wanted pixel of the first eye. */
 static uint32_t split_mm(const struct cell_baker *baker)
 {
 	double disparity = 0.0;
@@ -400,7 +391,7 @@ static int bake_cell(struct cell_baker *baker, const struct view_cell *view, con
 		keep_geometry(cell, PKG_REASON_FEWER_TRIANGLES);
 	} else if (ahead.triangles) {
 		in_front(baker->pkg, view, far_set, &ahead);
-		cell_looks_points(&baker->looks, baker->pkg, &ahead, &baker->points);
+		cover_points(&baker->looks, baker->pkg, &ahead, &baker->points);
 		if (baker->points.count)
 			err = make_impostor(baker, view, &ahead, cell, bytes);
 	}

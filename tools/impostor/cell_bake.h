@@ -14,7 +14,7 @@ struct cell_options {
 	bool pvs, impostor;     /* what is made; pvs is made for cells of geometry in any case */
 	double tau_px;          /* 1 */
 	double focal_px;        /* of the screen; 869: 720 rows at 45 degrees */
-	double texels_per_px;   /* of captures; 1.25 */
+	double texels_per_px;   /* of the screen, at the middle of the cell; 1 */
 	double far_m;           /* nothing farther counts; default: all of the package */
 	uint32_t triangles_max; /* of an impostor; 3,000 */
 	uint32_t pages_max;     /* of an impostor; 16 */

@@ -22,8 +22,7 @@ void cell_looks_finish(struct cell_looks *looks)
 	looks->count = 0;
 }
 
-/* looks->item_of for the objects of a set; undone by the same call with `mark` false. */
-static void mark_objects(struct cell_looks *looks, const struct pkg *pkg, const struct triangle_set *set, bool mark)
+void cell_looks_mark(struct cell_looks *looks, const struct pkg *pkg, const struct triangle_set *set, bool mark)
 {
 	if (looks->item_of.count < pkg->object_count) {
 		ARRAY_RESERVE(&looks->item_of, pkg->object_count);
@@ -34,13 +33,12 @@ static void mark_objects(struct cell_looks *looks, const struct pkg *pkg, const 
 		looks->item_of.items[set->items.items[i].object] = mark ? (uint32_t)i + 1 : 0;
 }
 
-/* The item of the set that a pixel shows, plus 1; 0: it shows something else. */
-static uint32_t item_at(
-	const struct triangle_set *set, const uint32_t *item_of, uint32_t objects, const struct capture_pixel *pixel)
+uint32_t cell_looks_item(
+	const struct cell_looks *looks, const struct triangle_set *set, const struct capture_pixel *pixel)
 {
-	if (!pixel->object || pixel->object > objects)
+	if (!pixel->object || pixel->object > looks->item_of.count)
 		return 0;
-	uint32_t item = item_of[pixel->object - 1];
+	uint32_t item = looks->item_of.items[pixel->object - 1];
 	if (!item || pixel->triangle == PKG_NONE)
 		return item;
 	const uint64_t *words = &set->words.items[set->items.items[item - 1].first_word];
@@ -58,7 +56,7 @@ static struct extent far_extent(
 	const struct capture_pixel *pixel = image->pixels;
 	for (uint32_t y = 0; y < image->view.height; y++) {
 		for (uint32_t x = 0; x < image->view.width; x++, pixel++) {
-			if (!item_at(set, looks->item_of.items, (uint32_t)looks->item_of.count, pixel))
+			if (!cell_looks_item(looks, set, pixel))
 				continue;
 			out.min_x = x < out.min_x ? x : out.min_x;
 			out.max_x = x > out.max_x ? x : out.max_x;
@@ -144,28 +142,10 @@ int cell_looks_draw(struct cell_looks *looks, struct capturer *capturer, const s
 	capturer_use(capturer, &all);
 	triangle_set_finish(&all);
 	set_corners(pkg, far_set, &looks->corners);
-	mark_objects(looks, pkg, far_set, true);
+	cell_looks_mark(looks, pkg, far_set, true);
 	int err = look_along(looks, capturer, cell, far_set, focal_px, far_m);
-	mark_objects(looks, pkg, far_set, false);
+	cell_looks_mark(looks, pkg, far_set, false);
 	return err;
-}
-
-void cell_looks_points(
-	struct cell_looks *looks, const struct pkg *pkg, const struct triangle_set *set, point_array *points)
-{
-	points->count = 0;
-	mark_objects(looks, pkg, set, true);
-	for (size_t i = 0; i < looks->count; i++) {
-		const struct capture_image *image = &looks->images.items[i];
-		for (uint32_t y = 0; y < image->view.height; y += 2) {
-			for (uint32_t x = y / 2 % 2; x < image->view.width; x += 2) {
-				const struct capture_pixel *pixel = &image->pixels[(size_t)y * image->view.width + x];
-				if (item_at(set, looks->item_of.items, (uint32_t)looks->item_of.count, pixel))
-					ARRAY_PUSH(points, capture_point(&image->view, x + 0.5, y + 0.5, pixel->disparity));
-			}
-		}
-	}
-	mark_objects(looks, pkg, set, false);
 }
 
 void cell_looks_seen(
@@ -174,14 +154,14 @@ void cell_looks_seen(
 	ARRAY(uint8_t) seen = { 0 };
 	ARRAY_RESERVE(&seen, set->items.count + 1);
 	memset(seen.items, 0, set->items.count + 1);
-	mark_objects(looks, pkg, set, true);
+	cell_looks_mark(looks, pkg, set, true);
 	for (size_t i = 0; i < looks->count; i++) {
 		const struct capture_image *image = &looks->images.items[i];
 		size_t pixels = (size_t)image->view.width * image->view.height;
 		for (size_t k = 0; k < pixels; k++)
-			seen.items[item_at(set, looks->item_of.items, (uint32_t)looks->item_of.count, &image->pixels[k])] = 1;
+			seen.items[cell_looks_item(looks, set, &image->pixels[k])] = 1;
 	}
-	mark_objects(looks, pkg, set, false);
+	cell_looks_mark(looks, pkg, set, false);
 	triangle_set_clear(out);
 	for (size_t i = 0; i < set->items.count; i++) {
 		const struct triangle_set_item *item = &set->items.items[i];

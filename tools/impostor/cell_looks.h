@@ -25,10 +25,11 @@ int cell_looks_draw(struct cell_looks *looks, struct capturer *capturer, const s
 	const struct view_cell *cell, const struct triangle_set *far_set, const struct triangle_set *occluders,
 	double focal_px, double far_m);
 
-/* Points that the looks see of triangles of `set`, one of four pixels, metres of the city frame. */
-typedef ARRAY(struct dvec3) point_array;
-void cell_looks_points(
-	struct cell_looks *looks, const struct pkg *pkg, const struct triangle_set *set, point_array *points);
+/* Between a call with `mark` and one without, cell_looks_item() tells which item of `set` a pixel shows, plus 1; 0: it
+ * shows something else. */
+void cell_looks_mark(struct cell_looks *looks, const struct pkg *pkg, const struct triangle_set *set, bool mark);
+uint32_t cell_looks_item(
+	const struct cell_looks *looks, const struct triangle_set *set, const struct capture_pixel *pixel);
 
 /* The objects of `set` of which some look sees something, with all their triangles of `set`. */
 void cell_looks_seen(
