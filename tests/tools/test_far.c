@@ -20,6 +20,7 @@
 #include <unistd.h>
 
 #include "assets/cells.h"
+#include "assets/resident.h"
 #include "tools/bake/bake.h"
 #include "tools/commands.h"
 #include "tools/far/far.h"
@@ -415,6 +416,25 @@ static void a_full_disk_leaves_the_old_package_whole(void **state)
 	free(before.at);
 }
 
+static void the_header_says_what_must_be_resident(void **state)
+{
+	(void)state;
+	struct pkg pkg;
+	struct pkg_fault fault;
+	struct arena arena;
+	struct resident_need need;
+	static uint8_t scratch[RESIDENT_SCRATCH_BYTES];
+	unlink(city_path);
+	/* no budget is too small to end; what cannot give way is told */
+	assert_int_equal(bake(&(struct far_options){ .budget_bytes = 1 }), EXIT_DONE);
+	assert_int_equal(pkg_open(&pkg, city_path, &fault), 0);
+	arena_init(&arena, "scratch", scratch, sizeof(scratch));
+	assert_int_equal(resident_need(&pkg, &arena, &need), 0);
+	assert_true(need.slot > 0);
+	assert_int_equal(pkg.meta->resident_bound_bytes, need.sum);
+	pkg_close(&pkg);
+}
+
 static void a_choice_of_stretches_keeps_whole_edges(void **state)
 {
 	(void)state;
@@ -457,6 +477,7 @@ int main(void)
 		cmocka_unit_test(a_bake_goes_on_where_it_stopped),
 		cmocka_unit_test(only_what_sees_a_changed_house_is_made_again),
 		cmocka_unit_test(a_full_disk_leaves_the_old_package_whole),
+		cmocka_unit_test(the_header_says_what_must_be_resident),
 		cmocka_unit_test(a_choice_of_stretches_keeps_whole_edges),
 		cmocka_unit_test(a_far_field_can_be_taken_away),
 	};

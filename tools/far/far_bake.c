@@ -11,9 +11,9 @@
 #include "platform/base/log.h"
 #include "tools/commands.h"
 #include "tools/far/assemble.h"
+#include "tools/far/budget.h"
 #include "tools/far/far.h"
 #include "tools/far/plan.h"
-#include "tools/far/resident.h"
 #include "tools/far/workers.h"
 
 int far_units_folder(const struct far_options *options, const char *output, char *out)
@@ -75,12 +75,12 @@ struct rounds {
 	struct far_plan plan;
 	struct far_sections sections;
 	struct far_counts counts; /* of the first round */
-	struct resident resident;
+	struct resident_need need;
 	uint64_t *hashes; /* of units */
 	uint8_t *skip;    /* units that the next round leaves alone */
 };
 
-static int run_round(struct rounds *rounds, struct far_work *work, uint64_t budget_bytes)
+static int run_round(struct rounds *rounds, struct far_work *work)
 {
 	struct far_counts counts;
 	int err = far_work_run(work, rounds->hashes, &counts);
@@ -88,38 +88,7 @@ static int run_round(struct rounds *rounds, struct far_work *work, uint64_t budg
 	far_sections_finish(&rounds->sections);
 	if (!err)
 		err = far_sections_gather(&rounds->sections, &rounds->plan, work->folder, rounds->hashes);
-	memset(rounds->resident.over, 0, rounds->plan.stretches.count);
-	if (!err)
-		resident_bound(&work->pkg->graph, rounds->plan.first.items, &rounds->sections, budget_bytes, &rounds->resident);
-	return err;
-}
-
-/* Tightens what is needed where the budget is broken: impostors only, and those first that are larger than the mean of
- * them. False: nothing is left to tighten. */
-static bool tighten(struct rounds *rounds)
-{
-	const struct far_sections *sections = &rounds->sections;
-	uint64_t sum = 0, count = 0;
-	bool any = false;
-	for (size_t i = 0; i < sections->stretches.count; i++) {
-		bool may = rounds->resident.over[i] && rounds->plan.levels.items[i] + 1 < CELL_LEVELS;
-		rounds->resident.over[i] = may;
-		count += may;
-		sum += may ? resident_stretch_bytes(&sections->stretches.items[i], &sections->cells.items[2 * i]) : 0;
-	}
-	memset(rounds->skip, 1, far_plan_units(&rounds->plan));
-	for (uint32_t unit = 0; unit < far_plan_units(&rounds->plan); unit++) {
-		for (uint32_t i = rounds->plan.unit_first.items[unit]; i < rounds->plan.unit_first.items[unit + 1]; i++) {
-			if (!rounds->resident.over[i] ||
-				resident_stretch_bytes(&sections->stretches.items[i], &sections->cells.items[2 * (size_t)i]) * count <
-					sum)
-				continue;
-			rounds->plan.levels.items[i]++;
-			rounds->skip[unit] = 0;
-			any = true;
-		}
-	}
-	return any;
+	return err ? err : far_need(work->pkg, &rounds->plan, &rounds->sections, &rounds->need);
 }
 
 static int run_rounds(struct rounds *rounds, struct far_work *work, uint64_t budget_bytes)
@@ -127,30 +96,47 @@ static int run_rounds(struct rounds *rounds, struct far_work *work, uint64_t bud
 	uint32_t units = far_plan_units(&rounds->plan);
 	rounds->hashes = array_grow(NULL, &(size_t){ 0 }, units + 1, sizeof(*rounds->hashes));
 	rounds->skip = array_grow(NULL, &(size_t){ 0 }, units + 1, 1);
-	rounds->resident.over = array_grow(NULL, &(size_t){ 0 }, rounds->plan.stretches.count + 1, 1);
 	memset(rounds->hashes, 0, units * sizeof(*rounds->hashes));
-	int err = run_round(rounds, work, budget_bytes);
-	while (!err && rounds->resident.over_count && tighten(rounds)) {
+	int err = run_round(rounds, work);
+	while (!err && budget_bytes && rounds->need.sum > budget_bytes &&
+		   far_tighten(&rounds->plan, &rounds->sections, &rounds->need, budget_bytes, rounds->skip)) {
 		work->skip = rounds->skip;
-		err = run_round(rounds, work, budget_bytes);
+		err = run_round(rounds, work);
 	}
 	return err;
 }
 
-static void report_budget(const struct pkg *pkg, const struct rounds *rounds, uint64_t budget_bytes)
+static double mib(uint64_t bytes)
 {
-	uint32_t tightened = 0, worst = rounds->resident.worst;
+	return (double)bytes / 1048576.0;
+}
+
+static const char *street_name(const struct pkg *pkg, uint32_t edge)
+{
+	const char *name = pkg_string(pkg, pkg->graph.edges[edge].name);
+	return name[0] ? name : "a street without a name";
+}
+
+/* What must be resident, and where accuracy gave way to it. */
+static void report_budget(const struct pkg *pkg, const struct rounds *rounds)
+{
+	const struct resident_need *need = &rounds->need;
+	uint32_t last_edge = PKG_NONE, tightened = 0;
+	printf("  resident: %.1f MiB: textures %.1f, geometry %.1f, %d slots of %.1f\n", mib(need->sum),
+		mib(need->textures), mib(need->geometry), RESIDENT_SLOTS, mib(need->slot));
 	for (size_t i = 0; i < rounds->plan.levels.count; i++)
 		tightened += rounds->plan.levels.items[i] > 0;
-	if (worst == PKG_NONE)
+	if (!tightened)
 		return;
-	const struct pkg_edge *edge = &pkg->graph.edges[rounds->sections.stretches.items[worst].edge];
-	printf("  resident: at most %.1f MiB at once, on %s (edge %u)", (double)rounds->resident.bound_bytes / 1048576.0,
-		edge->name ? pkg_string(pkg, edge->name) : "a street without a name",
-		rounds->sections.stretches.items[worst].edge);
-	if (budget_bytes)
-		printf("; accuracy gave way to the budget on %u stretches", tightened);
-	putchar('\n');
+	printf("  accuracy gave way to the budget on %u stretches:\n", tightened);
+	for (size_t i = 0; i < rounds->plan.levels.count; i++) {
+		uint32_t edge = rounds->plan.stretches.items[i].edge;
+		if (!rounds->plan.levels.items[i] || edge == last_edge)
+			continue;
+		printf("    %s (edge %u): 1/%u of the triangles and pages\n", street_name(pkg, edge), edge,
+			1u << rounds->plan.levels.items[i]);
+		last_edge = edge;
+	}
 }
 
 static void rounds_finish(struct rounds *rounds)
@@ -159,7 +145,6 @@ static void rounds_finish(struct rounds *rounds)
 	far_plan_finish(&rounds->plan);
 	array_free(rounds->hashes);
 	array_free(rounds->skip);
-	array_free(rounds->resident.over);
 }
 
 static int bake(const struct pkg *pkg, const struct pkg *old, const char *output, const char *folder,
@@ -181,16 +166,15 @@ static int bake(const struct pkg *pkg, const struct pkg *old, const char *output
 		.jobs = options->jobs ? options->jobs : core_count(),
 		.show_progress = !options->quiet && isatty(STDERR_FILENO) };
 	err = run_rounds(&rounds, &work, options->budget_bytes);
-	uint64_t bound = rounds.resident.bound_bytes;
 	if (!err)
-		err = far_assemble(output, pkg, &rounds.plan, &rounds.sections, folder, rounds.hashes, bound);
+		err = far_assemble(output, pkg, &rounds.plan, &rounds.sections, folder, rounds.hashes, rounds.need.sum);
 	if (!err && !options->quiet) {
 		report(&rounds.plan, &rounds.sections, &rounds.counts, (double)(clock_now_ns() - started) * 1e-9);
-		report_budget(pkg, &rounds, options->budget_bytes);
+		report_budget(pkg, &rounds);
 	}
-	if (!err && options->budget_bytes && bound > options->budget_bytes)
-		log_warn("%s: %.1f MiB must be resident at once, the budget is %.1f MiB: the local sets alone may be too large",
-			output, (double)bound / 1048576.0, (double)options->budget_bytes / 1048576.0);
+	if (!err && options->budget_bytes && rounds.need.sum > options->budget_bytes)
+		log_warn("%s: %.1f MiB must be resident at once, more than the budget of %.1f MiB: impostors can give no more",
+			output, mib(rounds.need.sum), mib(options->budget_bytes));
 	rounds_finish(&rounds);
 	return err ? EXIT_FAILED : EXIT_DONE;
 }
