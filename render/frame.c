@@ -10,6 +10,7 @@
 #include "assets/resident.h"
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
+#include "render/backdrop.h"
 #include "render/frame_block.h"
 #include "render/frame_truth.h"
 #include "render/marker.h"
@@ -42,6 +43,7 @@ struct renderer {
 	struct near_mesh mesh;
 	struct scene scene;
 	struct sky sky;
+	struct backdrop backdrop;
 	struct marker marker;
 	struct overlay overlay;
 	struct frame_truth truth;
@@ -83,6 +85,8 @@ static int make_objects(struct renderer *renderer, struct arena *arena)
 		err = gfx_buffer_create(renderer->gfx, &block, &renderer->frame_block);
 	if (!err)
 		err = sky_init(&renderer->sky, renderer->gfx);
+	if (!err)
+		err = backdrop_init(&renderer->backdrop, renderer->gfx, renderer->pkg);
 	if (!err)
 		err = marker_init(&renderer->marker, renderer->gfx);
 	if (!err && config->truth)
@@ -355,6 +359,7 @@ static void draw_pass(struct renderer *renderer, const struct nav_view *nav)
 	if (repr->ops->draw)
 		repr->ops->draw(repr, &renderer->view, renderer->frame_block);
 	sky_draw(&renderer->sky, &renderer->view, &renderer->light, renderer->frame_block);
+	backdrop_draw(&renderer->backdrop, &renderer->view, renderer->frame_block);
 	if (overlay)
 		draw_in_slices(renderer, overlay_draw_world);
 	if (nav)
@@ -384,6 +389,7 @@ static void prepare_frame(struct renderer *renderer, const struct camera_pose *p
 		update_overlay(renderer, nav, time);
 	update_fading(renderer, nav, time->time_ns);
 	scene_build(&renderer->scene, &renderer->view);
+	backdrop_update(&renderer->backdrop, &renderer->view);
 }
 
 void renderer_draw(struct renderer *renderer, const struct nav_view *nav, const struct renderer_time *time)
