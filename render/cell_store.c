@@ -14,7 +14,7 @@ static int make_buffer(struct cell_store *store, enum gfx_buffer_kind kind, uint
 	return bytes ? gfx_buffer_create(store->gfx, &desc, out) : 0;
 }
 
-static int make_buffers(struct cell_store *store)
+static int make_buffers(struct cell_store *store, bool lines)
 {
 	const struct cell_limits *limits = &store->limits;
 	uint64_t slots = store->slot_count;
@@ -28,6 +28,7 @@ static int make_buffers(struct cell_store *store)
 		{ GFX_BUFFER_VERTEX, slots * limits->impostor_vertices * sizeof(struct pkg_impostor_vertex),
 			&store->impostor_vertices },
 		{ GFX_BUFFER_INDEX, slots * limits->impostor_indices * 2, &store->impostor_indices },
+		{ GFX_BUFFER_INDEX, lines ? slots * limits->impostor_indices * 4 : 0, &store->impostor_lines },
 	};
 	int err = 0;
 	for (size_t i = 0; i < sizeof(wanted) / sizeof(wanted[0]) && !err; i++)
@@ -63,14 +64,14 @@ uint64_t cell_store_slot_bytes(const struct cell_limits *limits)
 }
 
 int cell_store_init(struct cell_store *store, struct arena *arena, struct gfx *gfx, const struct pkg *pkg,
-	const struct cell_limits *limits, uint32_t slot_count)
+	const struct cell_limits *limits, uint32_t slot_count, bool lines)
 {
 	uint64_t before = gfx_stats(gfx)->bytes;
 	*store = (struct cell_store){ .gfx = gfx, .pkg = pkg, .limits = *limits, .slot_count = slot_count };
 	store->slots = ARENA_ARRAY(arena, struct stored_slot, slot_count);
 	if (!store->slots)
 		return -ENOMEM;
-	int err = make_buffers(store);
+	int err = make_buffers(store, lines);
 	if (!err)
 		err = make_pages(store);
 	store->bytes = gfx_stats(gfx)->bytes - before;
@@ -84,6 +85,7 @@ void cell_store_finish(struct cell_store *store)
 	gfx_texture_destroy(store->gfx, store->pages);
 	for (uint32_t i = 0; store->slots && i < store->slot_count * 2; i++)
 		gfx_buffer_destroy(store->gfx, store->slots[i / 2].impostor[i % 2].block);
+	gfx_buffer_destroy(store->gfx, store->impostor_lines);
 	gfx_buffer_destroy(store->gfx, store->impostor_indices);
 	gfx_buffer_destroy(store->gfx, store->impostor_vertices);
 	gfx_buffer_destroy(store->gfx, store->set_vertices);
@@ -140,6 +142,16 @@ static void write_block(struct cell_store *store, const struct stored_impostor *
 	gfx_buffer_write(store->gfx, out->block, 0, &block, sizeof(block));
 }
 
+/* Each triangle's three edges. */
+static void write_lines(struct cell_store *store, uint32_t first_index, const struct impostor_view *from)
+{
+	for (uint32_t i = 0; store->impostor_lines.id && i + 2 < from->head.index_count; i += 3) {
+		const uint16_t *t = &from->indices[i];
+		const uint16_t lines[6] = { t[0], t[1], t[1], t[2], t[2], t[0] };
+		gfx_buffer_write(store->gfx, store->impostor_lines, (first_index + i) * 4, lines, sizeof(lines));
+	}
+}
+
 static uint64_t upload_triangles(struct cell_store *store, uint32_t index, const struct cell_slot *slot)
 {
 	struct stored_slot *out = &store->slots[index];
@@ -159,6 +171,7 @@ static uint64_t upload_triangles(struct cell_store *store, uint32_t index, const
 			from->vertices, vertex_bytes);
 		gfx_buffer_write(store->gfx, store->impostor_indices, at * 2, from->indices, from->head.index_count * 2);
 		write_block(store, &out->impostor[i], from);
+		write_lines(store, at, from);
 		vertex += from->head.vertex_count;
 		at += from->head.index_count;
 		layer += from->head.page_count;

@@ -38,13 +38,14 @@ struct cell_store {
 	uint32_t slot_count;
 	struct stored_slot *slots;
 	gfx_buffer set_indices, set_vertices, impostor_vertices, impostor_indices;
+	gfx_buffer impostor_lines; /* twice as many indices: the triangles' edges; none unless asked for */
 	gfx_texture pages;
 	uint64_t bytes; /* of all of these, and the blocks */
 };
 
-/* Returns 0 or -ENOMEM; what was made until then is cell_store_finish()'s. */
+/* `lines`: keeps the triangles' edges too. Returns 0 or -ENOMEM; what was made until then is cell_store_finish()'s. */
 int cell_store_init(struct cell_store *store, struct arena *arena, struct gfx *gfx, const struct pkg *pkg,
-	const struct cell_limits *limits, uint32_t slot_count);
+	const struct cell_limits *limits, uint32_t slot_count, bool lines);
 /* GPU bytes that one slot takes. */
 uint64_t cell_store_slot_bytes(const struct cell_limits *limits);
 void cell_store_finish(struct cell_store *store);

@@ -52,7 +52,8 @@ int far_cells_init(
 	int err = cell_cache_init(&cells->cache, arena, repr->pkg, &sized);
 	if (err)
 		return err;
-	return cell_store_init(&cells->store, arena, repr->gfx, repr->pkg, &limits, sized.slot_count);
+	return cell_store_init(
+		&cells->store, arena, repr->gfx, repr->pkg, &limits, sized.slot_count, repr->config.show == REPR_SHOW_WIRE);
 }
 
 void far_cells_finish(struct far_cells *cells)

@@ -10,13 +10,16 @@
 
 #include "render/far_cells.h"
 #include "render/impostor_draw.h"
+#include "render/impostor_truth.h"
 #include "render/repr.h"
 
 struct far_impostor {
 	struct far_cells cells;
 	struct impostor_draw draw;
+	struct impostor_truth truth;
 	bool as_geometry; /* the distance is the visible set in this frame */
 	struct impostor_shown shown[4];
+	uint32_t shown_cells[4];
 	uint32_t shown_count;
 	double error_px;
 };
@@ -44,7 +47,11 @@ static int init(struct repr *repr, struct arena *arena)
 	repr->state = far;
 	struct cell_cache_config config = { .pvs = sets_wanted(repr), .look_of = near_mesh_look_of };
 	int err = far_cells_init(&far->cells, repr, arena, &config);
-	return err ? err : impostor_draw_init(&far->draw, repr->gfx, repr->config.show != REPR_SHOW_PLAIN);
+	if (!err && repr->config.truth)
+		err = impostor_truth_init(&far->truth, arena, repr->gfx, repr->pkg);
+	return err ? err
+			   : impostor_draw_init(
+					 &far->draw, repr->gfx, repr->config.show != REPR_SHOW_PLAIN, repr->config.show == REPR_SHOW_WIRE);
 }
 
 static void finish(struct repr *repr)
@@ -52,6 +59,7 @@ static void finish(struct repr *repr)
 	struct far_impostor *far = repr->state;
 	if (!far)
 		return;
+	impostor_truth_finish(&far->truth);
 	impostor_draw_finish(&far->draw);
 	far_cells_finish(&far->cells);
 }
@@ -66,6 +74,7 @@ static void show(struct far_impostor *far, const struct repr *repr, const struct
 		const struct stored_impostor *impostor = &far->cells.store.slots[slot].impostor[i];
 		if (!(seen >> i & 1) || !impostor->index_count)
 			continue;
+		far->shown_cells[far->shown_count] = stretch * 2 + i;
 		far->shown[far->shown_count++] = (struct impostor_shown){ .impostor = impostor,
 			.origin_mm = cell->origin_mm,
 			.share = share,
@@ -121,6 +130,13 @@ static void draw(const struct repr *repr, const struct view *view, gfx_buffer fr
 		impostor_draw(&far->draw, &far->cells.store, repr->mesh, view, &far->shown[i], frame_block);
 }
 
+static void draw_truth(const struct repr *repr, const struct view *view)
+{
+	struct far_impostor *far = repr->state;
+	for (uint32_t i = far->shown_count; i-- > 0;)
+		impostor_truth_draw(&far->truth, &far->cells.store, view, &far->shown[i], far->shown_cells[i]);
+}
+
 static double split_m(const struct repr *repr)
 {
 	const struct far_impostor *far = repr->state;
@@ -152,6 +168,7 @@ const struct repr_ops repr_impostor = {
 	.select = choose,
 	.emit = emit,
 	.draw = draw,
+	.draw_truth = draw_truth,
 	.split_m = split_m,
 	.reach_m = reach_m,
 	.bytes = bytes,

@@ -430,6 +430,9 @@ void renderer_read_truth(struct renderer *renderer, uint32_t *out)
 	assert(renderer->config.truth);
 	frame_truth_begin(&renderer->truth);
 	frame_truth_draw_list(&renderer->truth, &renderer->mesh, &renderer->view, &renderer->scene.list);
+	const struct repr *repr = &renderer->scene.repr;
+	if (repr->ops->draw_truth)
+		repr->ops->draw_truth(repr, &renderer->view);
 	frame_truth_end(&renderer->truth);
 	frame_truth_read(&renderer->truth, out);
 }

@@ -12,7 +12,7 @@
 uint64_t gfx_format_bytes(enum gfx_format format, uint32_t width, uint32_t height, uint32_t layers)
 {
 	static const uint8_t texel_bytes[GFX_FORMAT_COUNT] = {
-		[GFX_RGBA8] = 4, [GFX_SRGBA8] = 4, [GFX_R8] = 1, [GFX_RG8] = 2
+		[GFX_RGBA8] = 4, [GFX_SRGBA8] = 4, [GFX_R8] = 1, [GFX_RG8] = 2, [GFX_RGBA32UI] = 16
 	};
 	if (format == GFX_ETC2_RGBA8 || format == GFX_ETC2_SRGBA8)
 		return (uint64_t)((width + 3) / 4) * ((height + 3) / 4) * 16 * layers;
@@ -407,9 +407,10 @@ void gfx_draw(struct gfx *gfx, const struct gfx_draw *draw)
 	if (!draw->count)
 		return;
 	const struct gfx_pipeline_slot *pipeline = gfx_pipeline_at(gfx, draw->pipeline);
-	bool strip = pipeline->desc.primitive == GFX_TRIANGLE_STRIP;
+	enum gfx_primitive primitive = pipeline->desc.primitive;
 	gfx->stats.draws++;
-	gfx->stats.triangles += strip ? draw->count - 2 : draw->count / 3;
+	if (primitive != GFX_LINES)
+		gfx->stats.triangles += primitive == GFX_TRIANGLE_STRIP ? draw->count - 2 : draw->count / 3;
 	gfx->ops->draw(gfx, draw);
 }
 

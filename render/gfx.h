@@ -60,6 +60,7 @@ enum gfx_format {
 	GFX_RG8,
 	GFX_ETC2_RGBA8,
 	GFX_ETC2_SRGBA8,
+	GFX_RGBA32UI, /* whole numbers; nearest filter only */
 	GFX_FORMAT_COUNT,
 };
 enum gfx_filter {
@@ -135,7 +136,7 @@ enum gfx_depth {
 	GFX_DEPTH_TEST_WRITE,
 	GFX_DEPTH_BEHIND, /* greater, not written: what something else hides */
 };
-enum gfx_primitive { GFX_TRIANGLES, GFX_TRIANGLE_STRIP };
+enum gfx_primitive { GFX_TRIANGLES, GFX_TRIANGLE_STRIP, GFX_LINES };
 enum gfx_index { GFX_INDEX_NONE, GFX_INDEX_U16, GFX_INDEX_U32 };
 struct gfx_pipeline_desc {
 	gfx_program program;

@@ -34,6 +34,7 @@ static const struct {
 	[GFX_SRGBA8] = { GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE },
 	[GFX_R8] = { GL_R8, GL_RED, GL_UNSIGNED_BYTE },
 	[GFX_RG8] = { GL_RG8, GL_RG, GL_UNSIGNED_BYTE },
+	[GFX_RGBA32UI] = { GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT },
 	[GFX_ETC2_RGBA8] = { GL_COMPRESSED_RGBA8_ETC2_EAC, 0, 0 },
 	[GFX_ETC2_SRGBA8] = { GL_COMPRESSED_SRGB8_ALPHA8_ETC2_EAC, 0, 0 },
 };
@@ -598,7 +599,10 @@ static void gles3_draw(struct gfx *gfx, const struct gfx_draw *draw)
 	GLint constants = gfx_program_at(gfx, pipeline->desc.program)->constants;
 	if (draw->constants && constants >= 0)
 		glUniform4fv(constants, (GLsizei)draw->constant_count, draw->constants);
-	GLenum mode = pipeline->desc.primitive == GFX_TRIANGLE_STRIP ? GL_TRIANGLE_STRIP : GL_TRIANGLES;
+	static const GLenum modes[] = {
+		[GFX_TRIANGLES] = GL_TRIANGLES, [GFX_TRIANGLE_STRIP] = GL_TRIANGLE_STRIP, [GFX_LINES] = GL_LINES
+	};
+	GLenum mode = modes[pipeline->desc.primitive];
 	if (pipeline->desc.index == GFX_INDEX_NONE) {
 		glDrawArrays(mode, (GLint)draw->first, (GLsizei)draw->count);
 		return;

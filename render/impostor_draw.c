@@ -59,19 +59,43 @@ static int make_style(struct impostor_draw *draw, int style, bool tinted)
 	return gfx_pipeline_create(draw->gfx, &pipeline, &draw->pipelines[style]);
 }
 
-int impostor_draw_init(struct impostor_draw *draw, struct gfx *gfx, bool tinted)
+static int make_wire(struct impostor_draw *draw)
+{
+	struct gfx_program_desc program = {
+		.vertex = "impostor.vert",
+		.fragment = "impostor.frag",
+		.defines = "#define WIRE 1\n",
+		.blocks = { "Frame", "Impostor" },
+	};
+	int err = gfx_program_create(draw->gfx, &program, &draw->wire_program);
+	if (err)
+		return err;
+	struct gfx_pipeline_desc pipeline = { .program = draw->wire_program,
+		.stride = sizeof(struct pkg_impostor_vertex),
+		.attribute_count = sizeof(vertex_layout) / sizeof(vertex_layout[0]),
+		.primitive = GFX_LINES,
+		.index = GFX_INDEX_U16,
+		.depth = GFX_DEPTH_TEST };
+	for (uint32_t i = 0; i < pipeline.attribute_count; i++)
+		pipeline.attributes[i] = vertex_layout[i];
+	return gfx_pipeline_create(draw->gfx, &pipeline, &draw->wire);
+}
+
+int impostor_draw_init(struct impostor_draw *draw, struct gfx *gfx, bool tinted, bool wire)
 {
 	*draw = (struct impostor_draw){ .gfx = gfx };
 	int err = 0;
 	for (int style = 0; style < IMPOSTOR_STYLES && !err; style++)
 		err = make_style(draw, style, tinted);
-	return err;
+	return err || !wire ? err : make_wire(draw);
 }
 
 void impostor_draw_finish(struct impostor_draw *draw)
 {
 	if (!draw->gfx)
 		return;
+	gfx_pipeline_destroy(draw->gfx, draw->wire);
+	gfx_program_destroy(draw->gfx, draw->wire_program);
 	for (int style = 0; style < IMPOSTOR_STYLES; style++) {
 		gfx_pipeline_destroy(draw->gfx, draw->pipelines[style]);
 		gfx_program_destroy(draw->gfx, draw->programs[style]);
@@ -99,12 +123,8 @@ void impostor_draw(const struct impostor_draw *draw, const struct cell_store *st
 	surfaces_light_map_frame(store->pkg, view->eye_mm, constants.light_map);
 	int style = (mesh->lit ? IMPOSTOR_LIT : 0) | (shown->share < 1.0f ? IMPOSTOR_DISSOLVING : 0);
 	struct gfx_draw item = {
-		.pipeline = draw->pipelines[style],
 		.vertices = store->impostor_vertices,
 		.vertex_offset = impostor->first_vertex * (uint32_t)sizeof(struct pkg_impostor_vertex),
-		.indices = store->impostor_indices,
-		.first = impostor->first_index,
-		.count = impostor->index_count,
 		.textures = { store->pages, mesh->light_map },
 		.blocks = { frame_block, impostor->block },
 		.constants = (const float *)&constants,
@@ -113,6 +133,17 @@ void impostor_draw(const struct impostor_draw *draw, const struct cell_store *st
 	for (int slice = shown->near_slice ? VIEW_NEAR : VIEW_FAR; slice < VIEW_SLICE_COUNT; slice++) {
 		gfx_depth_range(draw->gfx, view->slice[slice].depth_near, view->slice[slice].depth_far);
 		constants.clip_from_mm = from_mm(&view->slice[slice].clip_from_eye);
+		item.pipeline = draw->pipelines[style];
+		item.indices = store->impostor_indices;
+		item.first = impostor->first_index;
+		item.count = impostor->index_count;
+		gfx_draw(draw->gfx, &item);
+		if (!draw->wire.id)
+			continue;
+		item.pipeline = draw->wire;
+		item.indices = store->impostor_lines;
+		item.first *= 2;
+		item.count *= 2;
 		gfx_draw(draw->gfx, &item);
 	}
 }

@@ -13,10 +13,13 @@ struct impostor_draw {
 	struct gfx *gfx;
 	gfx_program programs[IMPOSTOR_STYLES];
 	gfx_pipeline pipelines[IMPOSTOR_STYLES];
+	gfx_program wire_program;
+	gfx_pipeline wire; /* the triangles' edges; none unless asked for */
 };
 
-/* `tinted`: the distance is easy to tell from the rest. Returns 0, -ENOMEM or -EINVAL. */
-int impostor_draw_init(struct impostor_draw *draw, struct gfx *gfx, bool tinted);
+/* `tinted`: the distance is easy to tell from the rest. `wire`: with its triangles' edges, for which the store must
+ * keep lines. Returns 0, -ENOMEM or -EINVAL. */
+int impostor_draw_init(struct impostor_draw *draw, struct gfx *gfx, bool tinted, bool wire);
 void impostor_draw_finish(struct impostor_draw *draw);
 
 /* What is drawn of one cell. */

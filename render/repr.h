@@ -17,8 +17,6 @@
 #include "render/view.h"
 #include "render/visible.h"
 
-struct frame_truth;
-
 /* Makes the distance's pictures easy to tell from the rest, to look at. */
 enum repr_show {
 	REPR_SHOW_PLAIN,
@@ -80,8 +78,8 @@ struct repr_ops {
 	void (*emit)(struct repr *repr, const struct view *view, struct draw_list *list);
 	/* Draws what is not in the list, after its solid part and before the sky. NULL: nothing. */
 	void (*draw)(const struct repr *repr, const struct view *view, gfx_buffer frame_block);
-	/* The same, for measuring. */
-	void (*draw_truth)(const struct repr *repr, const struct view *view, const struct frame_truth *truth);
+	/* The same into the pass of a frame_truth.h, for measuring. */
+	void (*draw_truth)(const struct repr *repr, const struct view *view);
 	/* Where the depth slices should meet after select(), m; 0 or NULL: anywhere. */
 	double (*split_m)(const struct repr *repr);
 	/* How far from the eye the city's geometry should be resident, m. NULL: all that is drawn. */

@@ -1,4 +1,5 @@
-// See impostor.vert. DISSOLVE leaves a share of the pixels, by an ordered dither; TINT is for looking at what is far.
+// See impostor.vert. DISSOLVE leaves a share of the pixels, by an ordered dither; TINT and WIRE are for looking at what is
+// far.
 in highp vec3 v_uvz;
 flat in highp float v_layer;
 in highp vec3 v_paint;
@@ -43,6 +44,12 @@ vec3 far_rooms()
 }
 #endif
 
+#ifdef WIRE
+void main()
+{
+	o_color = vec4(0.12, 0.10, 0.30, 1.0);
+}
+#else
 void main()
 {
 #ifdef DISSOLVE
@@ -68,3 +75,4 @@ void main()
 #endif
 	o_color = vec4(min(color, vec3(0.97)), 1.0);
 }
+#endif

@@ -45,4 +45,9 @@ done
 for file in "$dir"/sky.*; do
 	check "$file" "#define GRID 1\n"
 done
+for style in LIT DISSOLVE TINT WIRE; do
+	for file in "$dir"/impostor.*; do
+		check "$file" "#define $style 1\n"
+	done
+done
 exit $bad

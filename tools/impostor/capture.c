@@ -347,11 +347,8 @@ static int hold_image(struct capture_image *image, const struct capture_view *vi
 {
 	size_t pixels = (size_t)view->width * view->height;
 	size_t had = (size_t)image->view.width * image->view.height;
-	if (pixels != had) {
-		free(image->rgba);
-		free(image->pixels);
-		*image = (struct capture_image){ 0 };
-	}
+	if (pixels != had)
+		capture_image_finish(image);
 	if (!color) {
 		free(image->rgba);
 		image->rgba = NULL;

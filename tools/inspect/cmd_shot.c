@@ -36,6 +36,8 @@ enum {
 	OPT_SAMPLES,
 	OPT_CAMERA,
 	OPT_FAR,
+	OPT_TAU,
+	OPT_SHOW,
 	OPT_BUDGET,
 	OPT_STATS,
 	OPT_REPEAT
@@ -52,7 +54,9 @@ static const struct argp_option options[] = {
 	{ "date", OPT_DATE, "YYYY-MM-DD", 0, "Day (2024-06-21)", 0 },
 	{ "samples", OPT_SAMPLES, "N", 0, "Samples a pixel: 1, 2, 4, 8 (4)", 0 },
 	{ "camera", OPT_CAMERA, "KIND", 0, "The pose is a car's; look by driver, chase, heading-up or north-up", 0 },
-	{ "far", OPT_FAR, "NAME", 0, "Representation of the distance (full)", 0 },
+	{ "far", OPT_FAR, "NAME", 0, "Representation of the distance: auto, full, none, pvs, impostor (full)", 0 },
+	{ "tau", OPT_TAU, "PX", 0, "Accuracy asked for: what is stored with less is drawn as geometry (1)", 0 },
+	{ "show", OPT_SHOW, "WHAT", 0, "far: tints the distance; wire: and draws its triangles' edges", 0 },
 	{ "budget", OPT_BUDGET, "MIB", 0, "GPU memory (512)", 0 },
 	{ "stats", OPT_STATS, 0, 0, "Print what was drawn", 0 },
 	{ "repeat", OPT_REPEAT, "N", 0, "Draw it N times and print the median frame time", 0 },
@@ -106,6 +110,14 @@ static error_t parse(int key, char *arg, struct argp_state *state)
 		return 0;
 	case OPT_FAR:
 		shot->config.far_name = arg;
+		return 0;
+	case OPT_TAU:
+		parse_or_die(
+			sscanf(arg, "%lf%c", &shot->config.tau_px, &end) == 1 && shot->config.tau_px > 0.0, state, "--tau", arg);
+		return 0;
+	case OPT_SHOW:
+		shot->config.show = !strcmp(arg, "far") ? REPR_SHOW_FAR : REPR_SHOW_WIRE;
+		parse_or_die(!strcmp(arg, "far") || !strcmp(arg, "wire"), state, "--show", arg);
 		return 0;
 	case OPT_BUDGET:
 		shot->config.gpu_budget_bytes = strtoull(arg, NULL, 10) << 20;
@@ -204,10 +216,11 @@ static void print_stats(const struct renderer *renderer)
 	struct renderer_stats stats;
 	renderer_stats(renderer, &stats);
 	printf("%s, %u samples\n%u draws, %u triangles (%u far), %u of %u chunks resident, %u damaged, %u missing\n"
-		   "GPU %.1f MiB, at most %.1f MiB\n",
+		   "%s%s: error at most %.2f px, %.1f MiB\nGPU %.1f MiB, at most %.1f MiB\n",
 		stats.gl_renderer, stats.samples, stats.draws, stats.triangles, stats.far_triangles, stats.chunks_resident,
-		stats.chunks, stats.chunks_damaged, stats.chunks_wanted_missing, (double)stats.gpu_bytes / 1048576.0,
-		(double)stats.gpu_bytes_high_water / 1048576.0);
+		stats.chunks, stats.chunks_damaged, stats.chunks_wanted_missing, stats.far_name,
+		stats.far_fallback ? " (something stands in)" : "", stats.far_error_px, (double)stats.far_bytes / 1048576.0,
+		(double)stats.gpu_bytes / 1048576.0, (double)stats.gpu_bytes_high_water / 1048576.0);
 }
 
 static int shoot(struct shot *shot, const struct pkg *pkg, struct arena *arena)
@@ -251,7 +264,7 @@ int cmd_shot(int argc, char **argv)
 		log_error("%s: %s", shot.package, err == -EBADMSG ? fault.text : strerror(-err));
 		return EXIT_BAD_INPUT;
 	}
-	size_t bytes = (size_t)64 << 20;
+	size_t bytes = (size_t)256 << 20;
 	void *memory = malloc(bytes);
 	int status = EXIT_FAILED;
 	if (memory) {
