@@ -43,7 +43,8 @@ static const struct argp_option option_table[] = {
 	{ "profile", OPT_PROFILE, "FILE", 0, "board profile; options override it", 0 },
 	{ "dbc", OPT_DBC, "FILE", 0, "signal definitions; repeat for more", 0 },
 	{ "far", OPT_FAR, "NAME", 0, "representation of what is far: auto, full, none, pvs, impostor", 0 },
-	{ "tau", OPT_TAU, "PX", 0, "accuracy asked for; default 1", 0 },
+	{ "tau", OPT_TAU, "PX", 0,
+		"draw as geometry what the package stores with a larger error than this, where it has both", 0 },
 	{ "budget", OPT_BUDGET, "MIB", 0, "memory budget; default from the profile", 0 },
 	{ "frames", OPT_FRAMES, "DIR", 0, "write frames as PNG", 0 },
 	{ "every", OPT_EVERY, "N", 0, "write every Nth frame only", 0 },
@@ -237,7 +238,7 @@ void options_parse(struct options *out, int argc, char **argv)
 		.doc = "Draws the city from the driver's street.\vExit status: 0 done, 1 failed while running, 2 wrong usage, "
 			   "3 bad input file.",
 	};
-	*out = (struct options){ .every = 1, .tau_px = 1.0, .samples = -1 };
+	*out = (struct options){ .every = 1, .samples = -1 };
 	argp_err_exit_status = EXIT_CODE_USAGE;
 	argp_parse(&parser, argc, argv, 0, NULL, out);
 }

@@ -30,7 +30,7 @@ struct options {
 	uint32_t fps;
 	uint32_t every; /* >= 1 */
 	uint64_t limit; /* 0: none */
-	double tau_px;  /* default 1 */
+	double tau_px;  /* 0: whatever the package was baked with */
 	uint64_t budget_bytes;
 	int samples; /* -1: profile */
 	struct geo_point start;

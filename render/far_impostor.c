@@ -26,7 +26,8 @@ struct far_impostor {
 
 static bool too_coarse(const struct repr *repr, const struct pkg_cell *cell)
 {
-	return cell->kind == PKG_CELL_IMPOSTOR && (double)cell->error_px > repr->config.tau_px;
+	double tau_px = repr->config.tau_px;
+	return tau_px > 0.0 && cell->kind == PKG_CELL_IMPOSTOR && (double)cell->error_px > tau_px;
 }
 
 /* Visible sets are held for stretches whose cells need them; for all when one is too coarse for what is asked. */

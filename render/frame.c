@@ -64,7 +64,6 @@ static struct renderer_config with_defaults(const struct renderer_config *given)
 	config.far_name = config.far_name ? config.far_name : "full";
 	config.gfx = config.gfx ? config.gfx : &gfx_gles3;
 	config.fov_deg = config.fov_deg > 0.0 ? fmin(120.0, fmax(10.0, config.fov_deg)) : DEFAULT_FOV_DEG;
-	config.tau_px = config.tau_px > 0.0 ? config.tau_px : 1.0;
 	config.far_m = config.far_m > 0.0 ? fmax(config.far_m, SPLIT_M * 2.0) : DEFAULT_FAR_M;
 	return config;
 }

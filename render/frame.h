@@ -26,7 +26,7 @@ struct renderer_config {
 	uint64_t gpu_budget_bytes;   /* for everything on the GPU; default 512 MiB */
 	uint64_t upload_slice_bytes; /* per frame, once drawing; default 4 MiB */
 	const char *far_name;        /* of a representation (repr.h), or "auto"; default "full" */
-	double tau_px;               /* accuracy asked for; default 1 */
+	double tau_px;               /* what is stored with a larger error is drawn as geometry; 0: as it is */
 	bool deterministic;          /* loading takes the same number of frames, whatever the machine's speed */
 	enum repr_show show;         /* pictures for looking at what is far */
 	const struct gfx_ops *gfx;   /* default gfx_gles3 */

@@ -25,7 +25,7 @@ enum repr_show {
 };
 
 struct repr_config {
-	double tau_px; /* accuracy asked for; what is stored with a larger error is drawn as geometry where it can be */
+	double tau_px; /* what is stored with a larger error is drawn as geometry where it can be; 0: as it is */
 	uint64_t upload_slice_bytes;
 	uint64_t slots_bytes; /* what it may take on the GPU for what it loads; at least RESIDENT_SLOTS slots */
 	double reach_m;       /* how far from an eye on a street the near geometry has room to be resident */

@@ -30,7 +30,7 @@ jq -e '.memory.allocations_after_start == 0' one.json >/dev/null || { echo 'some
 jq -e '.memory.gpu_high_water_bytes + .memory.cpu_high_water_bytes <= .memory.budget_bytes' one.json >/dev/null
 jq -e '.vehicle.frames_bad == 0 and .vehicle.frames_in > 1000 and .cells.damaged_chunks == 0' one.json >/dev/null
 jq -e '.route.off_street_frames == 0 and .route.reroutes == 0' one.json >/dev/null || { echo 'the car left its street'; cat one.json; exit 1; }
-jq -e '(.frames > 200) and (.size == [320, 180]) and (.far | type == "string") and (.tau_px == 1)
+jq -e '(.frames > 200) and (.size == [320, 180]) and (.far | type == "string") and (.tau_px == 0)
 	and (.frame_ms | has("median") and has("p95") and has("p99") and has("p999") and has("max"))
 	and (.triangles | has("median") and has("p99") and has("max")) and has("far_triangles") and has("draws")
 	and (.cells | has("entered") and has("late_frames") and has("fallback_frames"))

@@ -55,7 +55,7 @@ static const struct argp_option options[] = {
 	{ "samples", OPT_SAMPLES, "N", 0, "Samples a pixel: 1, 2, 4, 8 (4)", 0 },
 	{ "camera", OPT_CAMERA, "KIND", 0, "The pose is a car's; look by driver, chase, heading-up or north-up", 0 },
 	{ "far", OPT_FAR, "NAME", 0, "Representation of the distance: auto, full, none, pvs, impostor (full)", 0 },
-	{ "tau", OPT_TAU, "PX", 0, "Accuracy asked for: what is stored with less is drawn as geometry (1)", 0 },
+	{ "tau", OPT_TAU, "PX", 0, "Draw as geometry what is stored with a larger error (none)", 0 },
 	{ "show", OPT_SHOW, "WHAT", 0, "far: tints the distance; wire: and draws its triangles' edges", 0 },
 	{ "budget", OPT_BUDGET, "MIB", 0, "GPU memory (512)", 0 },
 	{ "stats", OPT_STATS, 0, 0, "Print what was drawn", 0 },
