@@ -10,21 +10,23 @@
 #include "platform/base/log.h"
 #include "render/repr.h"
 #include "tools/commands.h"
+#include "tools/measure/tau_package.h"
 #include "tools/measure/tradeoff.h"
 
 #define TAUS_MAX 12
 
-struct tau_package {
+struct tau_choice {
 	double tau_px;
-	const char *path; /* NULL: the city's own package */
+	const char *path;
 };
 
 struct tradeoff_options {
 	const char *city, *output;
 	struct trial_config trial;
-	struct tau_package taus[TAUS_MAX];
+	struct tau_choice taus[TAUS_MAX];
 	unsigned tau_count, given_count;
-	struct tau_package given[TAUS_MAX];
+	bool tau_asked, far_asked;
+	struct tau_choice given[TAUS_MAX];
 	bool quiet;
 };
 
@@ -48,7 +50,7 @@ static const struct argp_option option_table[] = {
 	{ "replay", KEY_REPLAY, "LOG.candump", 0, "the drive", 0 },
 	{ "output", 'o', "DIR", 0, "where everything goes; a stopped run in it goes on", 0 },
 	{ "far", KEY_FAR, "NAME,...", 0, "representations besides full; default: all that the package has", 0 },
-	{ "tau", KEY_TAU, "PX,...", 0, "accuracies; each but the city's own wants its --package", 0 },
+	{ "tau", KEY_TAU, "PX,...", 0, "accuracies; a package is baked for each that has none", 0 },
 	{ "package", KEY_PACKAGE, "TAU=FILE.blvd", 0, "the package of a tau; repeat", 0 },
 	{ "size", KEY_SIZE, "WxH", 0, "pixels (1280x720)", 0 },
 	{ "samples", KEY_SAMPLES, "N", 0, "a pixel: 1, 2, 4, 8 (1)", 0 },
@@ -83,6 +85,7 @@ static double parse_tau(const char *text, size_t length, struct argp_state *stat
 
 static void parse_taus(struct tradeoff_options *options, const char *arg, struct argp_state *state)
 {
+	options->tau_asked = true;
 	for (options->tau_count = 0; *arg; arg += *arg == ',') {
 		size_t length = strcspn(arg, ",");
 		if (options->tau_count == TAUS_MAX)
@@ -99,12 +102,13 @@ static void parse_package(struct tradeoff_options *options, const char *arg, str
 		argp_error(state, "--package wants TAU=FILE, not '%s'", arg);
 	if (options->given_count == TAUS_MAX)
 		argp_error(state, "more than %d packages", TAUS_MAX);
-	options->given[options->given_count++] = (struct tau_package){ parse_tau(arg, length, state), arg + length + 1 };
+	options->given[options->given_count++] = (struct tau_choice){ parse_tau(arg, length, state), arg + length + 1 };
 }
 
 /* `full` is always there, and first. */
 static void parse_names(struct tradeoff_options *options, char *arg, struct argp_state *state)
 {
+	options->far_asked = true;
 	options->trial.count = 1;
 	for (char *name = strsep(&arg, ","); name; name = strsep(&arg, ",")) {
 		if (!strcmp(name, "auto") || !repr_by_name(name, NULL))
@@ -193,26 +197,29 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
 	return 0;
 }
 
-/* Which package stands for which tau: those given; the city's own for a tau that has none. */
-static int settle_taus(struct tradeoff_options *options)
+/* The city's own when no tau was asked for, or its own was. Otherwise the one given, or one that is made. */
+static int settle_package(const struct tradeoff_options *options, const struct tau_choice *tau, double own_tau_px,
+	char path[PATH_MAX], double *bake_seconds)
 {
-	unsigned own = 0;
-	if (!options->tau_count && options->given_count) {
-		memcpy(options->taus, options->given, sizeof(options->taus));
-		options->tau_count = options->given_count;
+	const char *given = NULL;
+	*bake_seconds = 0.0;
+	for (unsigned i = 0; i < options->given_count; i++)
+		given = options->given[i].tau_px == tau->tau_px ? options->given[i].path : given;
+	if (given || !options->tau_asked || own_tau_px == tau->tau_px) {
+		snprintf(path, PATH_MAX, "%s", given ? given : options->city);
+		return 0;
 	}
-	if (!options->tau_count)
-		options->taus[options->tau_count++] = (struct tau_package){ .tau_px = 1.0 };
-	for (unsigned i = 0; i < options->tau_count; i++) {
-		struct tau_package *tau = &options->taus[i];
-		for (unsigned k = 0; k < options->given_count; k++)
-			tau->path = options->given[k].tau_px == tau->tau_px ? options->given[k].path : tau->path;
-		own += !tau->path;
-		tau->path = tau->path ? tau->path : options->city;
-	}
-	if (own > 1)
-		log_error("more than one tau without its --package");
-	return own > 1 ? -EINVAL : 0;
+	if (snprintf(path, PATH_MAX, "%s/tau-%g.blvd", options->output, tau->tau_px) >= PATH_MAX)
+		return -ENAMETOOLONG;
+	return tau_package_make(options->city, options->trial.log, tau->tau_px, path, bake_seconds);
+}
+
+/* What is measured when nothing was asked for: what the city's package has. */
+static void settle_names(struct tradeoff_options *options, bool far_field)
+{
+	static const char *const all[] = { "none", "pvs", "impostor" };
+	for (size_t i = 0; i < (far_field ? 3 : 1) && !options->far_asked; i++)
+		options->trial.names[options->trial.count++] = all[i];
 }
 
 /* Arguments as they were given, for whoever wants to do it again. */
@@ -223,20 +230,26 @@ static void join_arguments(int argc, char **argv, char *out, size_t size)
 		at += (size_t)snprintf(out + at, size - at, "%s%s", i ? " " : "", argv[i]);
 }
 
-static int run_tau(const struct tradeoff_options *options, struct tradeoff *tradeoff, const struct tau_package *tau)
+static int run_tau(
+	const struct tradeoff_options *options, struct tradeoff *tradeoff, const struct tau_choice *tau, double own_tau_px)
 {
 	struct trial_config config = options->trial;
-	char folder[PATH_MAX], title[32];
+	char folder[PATH_MAX], title[32], path[PATH_MAX];
 	snprintf(title, sizeof(title), "tau %g", tau->tau_px);
 	if (snprintf(folder, sizeof(folder), "%s/tau-%g", options->output, tau->tau_px) >= (int)sizeof(folder))
 		return -ENAMETOOLONG;
-	config.package = tau->path;
+	struct tradeoff_run run = { .tau_px = tau->tau_px };
+	double bake_seconds;
+	int status = settle_package(options, tau, own_tau_px, path, &bake_seconds);
+	if (status)
+		return status;
+	config.package = run.package = pool_string(&tradeoff->strings, path);
 	config.tau_px = tau->tau_px;
 	config.folder = folder;
 	config.title = title;
 	config.show_progress = !options->quiet && isatty(STDERR_FILENO);
-	struct tradeoff_run run = { .tau_px = tau->tau_px, .package = tau->path };
-	int status = far_facts_read(&run.facts, tau->path);
+	status = far_facts_read(&run.facts, path);
+	run.facts.bake_seconds = bake_seconds;
 	if (!status)
 		status = trial_run(&config, &run.trial);
 	ARRAY_PUSH(&tradeoff->runs, run);
@@ -260,8 +273,24 @@ static int write_all(const struct tradeoff *tradeoff, const char *folder)
 	return status ? status : tradeoff_write_page(tradeoff, folder, path);
 }
 
-static int run_all(const struct tradeoff_options *options, struct tradeoff *tradeoff)
+/* Without --tau: the packages given, or else the city's own. */
+static void settle_taus(struct tradeoff_options *options, double own_tau_px)
 {
+	if (options->tau_count)
+		return;
+	memcpy(options->taus, options->given, sizeof(options->taus));
+	options->tau_count = options->given_count;
+	if (!options->tau_count)
+		options->taus[options->tau_count++].tau_px = own_tau_px > 0.0 ? own_tau_px : 1.0;
+}
+
+static int run_all(struct tradeoff_options *options, struct tradeoff *tradeoff)
+{
+	double own_tau_px = tau_package_tau(options->city);
+	if (own_tau_px < 0.0)
+		return -EBADMSG;
+	settle_taus(options, own_tau_px);
+	settle_names(options, own_tau_px > 0.0 || options->given_count || options->tau_asked);
 	if (mkdir(options->output, 0777) < 0 && errno != EEXIST) {
 		int status = -errno;
 		log_error("%s: %s", options->output, strerror(-status));
@@ -269,7 +298,7 @@ static int run_all(const struct tradeoff_options *options, struct tradeoff *trad
 	}
 	int status = 0;
 	for (unsigned i = 0; i < options->tau_count && !status; i++)
-		status = run_tau(options, tradeoff, &options->taus[i]);
+		status = run_tau(options, tradeoff, &options->taus[i], own_tau_px);
 	if (status)
 		return status;
 	tradeoff_sum_up(tradeoff);
@@ -286,8 +315,8 @@ int cmd_tradeoff(int argc, char **argv)
 		"`full`: "
 		"pictures, displacement, holes, popping. Writes CSV, JSON, a table and a page.",
 		NULL, NULL, NULL };
-	struct tradeoff_options options = { .trial = { .names = { "full", "none" },
-											.count = 2,
+	struct tradeoff_options options = { .trial = { .names = { "full" },
+											.count = 1,
 											.width = 1280,
 											.height = 720,
 											.samples = 1,
@@ -297,8 +326,6 @@ int cmd_tradeoff(int argc, char **argv)
 	char command[4096];
 	join_arguments(argc, argv, command, sizeof(command));
 	argp_parse(&argp, argc, argv, 0, NULL, &options);
-	if (settle_taus(&options) < 0)
-		return EXIT_USAGE;
 	struct tradeoff tradeoff = { .config = &options.trial, .command = command };
 	int status = run_all(&options, &tradeoff);
 	tradeoff_finish(&tradeoff);

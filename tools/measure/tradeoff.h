@@ -57,7 +57,7 @@ struct setting {
 /* One package: a tau, all representations in one run. */
 struct tradeoff_run {
 	double tau_px;
-	const char *package; /* borrowed */
+	const char *package;
 	struct far_facts facts;
 	struct trial_result trial;
 };
@@ -66,6 +66,7 @@ struct tradeoff {
 	const char *command;               /* that makes it */
 	ARRAY(struct tradeoff_run) runs;
 	ARRAY(struct setting) settings;
+	struct pool strings;
 };
 void tradeoff_finish(struct tradeoff *tradeoff);
 

@@ -190,6 +190,7 @@ void tradeoff_finish(struct tradeoff *tradeoff)
 		trial_result_finish(&tradeoff->runs.items[i].trial);
 	ARRAY_FINISH(&tradeoff->runs);
 	ARRAY_FINISH(&tradeoff->settings);
+	pool_finish(&tradeoff->strings);
 }
 
 const struct setting *tradeoff_find(const struct tradeoff *tradeoff, const char *name, double tau_px)
