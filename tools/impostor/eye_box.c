@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "tools/impostor/extremes.h"
+
 /* Axis and side of the box; an axis of no length points north. */
 struct frame {
 	struct dvec2 along, left;
@@ -27,8 +29,8 @@ static void surface_at(const struct frame *frame, double along, double *low, dou
 	double straight = frame->z0 + slope * along, level = along < 0.0 ? frame->z0 : frame->z1;
 	if (along >= 0.0 && along <= frame->length)
 		level = straight;
-	*low = fmin(straight, level);
-	*high = fmax(straight, level);
+	*low = smaller(straight, level);
+	*high = larger(straight, level);
 }
 
 static struct dvec2 place(const struct view_cell *cell, const struct frame *frame, double along, double left)
@@ -51,12 +53,12 @@ static void find_corners(struct eye_box *box, const struct view_cell *cell, cons
 static void find_grid(double length, double width, double reach, int *columns, int *rows)
 {
 	double best = INFINITY;
-	int least = (int)fmax(1.0, ceil(width / (2.0 * reach) * 1.0001));
+	int least = (int)larger(1.0, ceil(width / (2.0 * reach) * 1.0001));
 	for (int r = least; r <= least * 2 + 2; r++) {
 		double half = width / r / 2.0, left = reach * reach - half * half;
 		if (left < 0.01)
 			continue;
-		double count = fmax(1.0, ceil(length / (2.0 * sqrt(left))));
+		double count = larger(1.0, ceil(length / (2.0 * sqrt(left))));
 		if (count * r < best) {
 			best = count * r;
 			*rows = r;
@@ -78,11 +80,11 @@ static void find_samples(struct eye_box *box, const struct view_cell *cell, cons
 			double from = length * c / columns - cell->overrun_m, to = from + length / columns, low, high, other;
 			surface_at(frame, from, &low, &high);
 			surface_at(frame, to, &low, &other);
-			high = fmax(high, other);
-			surface_at(frame, fmin(fmax(0.0, from), to), &low, &other);
-			high = fmax(high, other);
-			surface_at(frame, fmin(fmax(frame->length, from), to), &low, &other);
-			high = fmax(high, other);
+			high = larger(high, other);
+			surface_at(frame, smaller(larger(0.0, from), to), &low, &other);
+			high = larger(high, other);
+			surface_at(frame, smaller(larger(frame->length, from), to), &low, &other);
+			high = larger(high, other);
 			for (int r = 0; r < rows; r++) {
 				struct dvec2 at = place(cell, frame, (from + to) / 2.0, width * ((r + 0.5) / rows - 0.5));
 				ARRAY_PUSH(&box->samples, (struct dvec3){ at.x, at.y, high + cell->eye_max_m });
@@ -120,7 +122,7 @@ bool eye_box_faces(const struct eye_box *box, const struct dvec3 triangle[3])
 static double point_distance(struct dvec2 at, struct dvec2 a, struct dvec2 b)
 {
 	struct dvec2 d = dvec2_sub(b, a), v = dvec2_sub(at, a);
-	double length2 = dvec2_dot(d, d), t = length2 > 0.0 ? fmin(fmax(dvec2_dot(v, d) / length2, 0.0), 1.0) : 0.0;
+	double length2 = dvec2_dot(d, d), t = length2 > 0.0 ? smaller(larger(dvec2_dot(v, d) / length2, 0.0), 1.0) : 0.0;
 	struct dvec2 off = dvec2_sub(v, dvec2_scale(d, t));
 	return sqrt(dvec2_dot(off, off));
 }
@@ -143,8 +145,8 @@ double eye_box_distance(const struct eye_box *box, const struct dvec2 *corners, 
 		right += side < 0.0;
 		if (segments_cross(box->start, box->end, p, q))
 			return 0.0;
-		best = fmin(best, fmin(point_distance(p, box->start, box->end),
-							  fmin(point_distance(box->start, p, q), point_distance(box->end, p, q))));
+		best = smaller(best, smaller(point_distance(p, box->start, box->end),
+								 smaller(point_distance(box->start, p, q), point_distance(box->end, p, q))));
 	}
 	return (left == 0) != (right == 0) && left + right == count ? 0.0 : best;
 }
@@ -153,6 +155,6 @@ double eye_box_reach(const struct eye_box *box, const struct dvec2 *corners, int
 {
 	double most = 0.0;
 	for (int i = 0; i < count; i++)
-		most = fmax(most, point_distance(corners[i], box->start, box->end));
+		most = larger(most, point_distance(corners[i], box->start, box->end));
 	return most;
 }

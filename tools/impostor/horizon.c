@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "tools/impostor/extremes.h"
+
 #define SIDE_BINS (HORIZON_BINS / 4)
 #define MARGIN 1e-6     /* of slopes and distances, against rounding */
 #define TOO_NEAR_M 0.05 /* what comes so near to the eye is not asked about */
@@ -68,7 +70,7 @@ static struct place place_on(struct dvec3 p, int side)
 {
 	double inverse = 1.0 / (fabs(p.x) + fabs(p.y));
 	double share = along_side((struct dvec2){ p.x, p.y }, side) * inverse;
-	return (struct place){ fmin(fmax(share, 0.0), 1.0) * SIDE_BINS, p.z * inverse, inverse };
+	return (struct place){ smaller(larger(share, 0.0), 1.0) * SIDE_BINS, p.z * inverse, inverse };
 }
 
 /*
@@ -85,7 +87,7 @@ static void cut_by_sides(struct dvec3 a, struct dvec3 b, piece_visit visit, void
 		bool last = tb >= 0.0 && along_side((struct dvec2){ b.x, b.y }, side) >= 0.0;
 		struct dvec3 end = b;
 		if (!last) {
-			double t = ta > tb ? fmin(fmax(ta / (ta - tb), 0.0), 1.0) : 0.0;
+			double t = ta > tb ? smaller(larger(ta / (ta - tb), 0.0), 1.0) : 0.0;
 			end = (struct dvec3){ a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), a.z + t * (b.z - a.z) };
 		}
 		struct place from = place_on(a, side), to = place_on(end, side);
@@ -157,18 +159,19 @@ static void add_piece(void *context, int side, const struct place *from, const s
 	struct chain *chain = context;
 	double length = to->bin - from->bin;
 	if (!(length > 0.0)) {
-		chain->slope = fmin(chain->slope, fmin(from->slope, to->slope));
-		chain->inverse = fmin(chain->inverse, fmin(from->inverse, to->inverse));
+		chain->slope = smaller(chain->slope, smaller(from->slope, to->slope));
+		chain->inverse = smaller(chain->inverse, smaller(from->inverse, to->inverse));
 		return;
 	}
 	for (int bin = (int)from->bin; bin < to->bin; bin++) {
-		double t0 = (fmax(bin, from->bin) - from->bin) / length, t1 = (fmin(bin + 1, to->bin) - from->bin) / length;
-		double slope = fmin(between(from->slope, to->slope, t0), between(from->slope, to->slope, t1));
-		double inverse = fmin(between(from->inverse, to->inverse, t0), between(from->inverse, to->inverse, t1));
+		double t0 = (larger(bin, from->bin) - from->bin) / length,
+			   t1 = (smaller(bin + 1, to->bin) - from->bin) / length;
+		double slope = smaller(between(from->slope, to->slope, t0), between(from->slope, to->slope, t1));
+		double inverse = smaller(between(from->inverse, to->inverse, t0), between(from->inverse, to->inverse, t1));
 		bool starts = from->bin <= bin;
 		chain->covered |= starts;
-		chain->slope = starts ? slope : fmin(chain->slope, slope);
-		chain->inverse = starts ? inverse : fmin(chain->inverse, inverse);
+		chain->slope = starts ? slope : smaller(chain->slope, slope);
+		chain->inverse = starts ? inverse : smaller(chain->inverse, inverse);
 		if (to->bin < bin + 1)
 			return;
 		if (chain->covered)
@@ -216,7 +219,7 @@ void horizon_add_outline(struct horizon *horizon, const struct dvec2 *points, ui
 		uint32_t i = (start + 1 + k) % count;
 		struct dvec2 a, b;
 		walk_side(&walk, i, &a, &b);
-		if (dvec2_cross(a, b) > 0.0 && fmin(diamond(a), diamond(b)) > TOO_NEAR_M)
+		if (dvec2_cross(a, b) > 0.0 && smaller(diamond(a), diamond(b)) > TOO_NEAR_M)
 			cut_by_sides((struct dvec3){ a.x, a.y, top }, (struct dvec3){ b.x, b.y, top }, add_piece, &chain);
 		else
 			chain.covered = false;
@@ -225,14 +228,19 @@ void horizon_add_outline(struct horizon *horizon, const struct dvec2 *points, ui
 
 /* ---- questions ---- */
 
-static bool bin_hides(const struct horizon_bin *bin, double inverse, double slope)
+/* The slope below which a bin is hidden at this distance; distances from far to near. */
+static double blocked_slope(const struct horizon_bin *bin, double inverse)
 {
 	inverse += inverse * MARGIN;
-	slope += (1.0 + fabs(slope)) * MARGIN;
 	for (uint32_t i = bin->count; i-- > 0;)
 		if ((double)bin->near_inverse[i] >= inverse)
-			return (double)bin->slope[i] >= slope;
-	return false;
+			return (double)bin->slope[i];
+	return -INFINITY;
+}
+
+static double with_margin(double slope)
+{
+	return slope + (1.0 + fabs(slope)) * MARGIN;
 }
 
 /* The bins that a polygon touches: `count` of them from `first` on, round the circle. */
@@ -240,15 +248,62 @@ struct bin_range {
 	uint32_t first, count;
 };
 
-/* False when the eye is in the polygon, or so near to it that no direction is sure. */
-static bool find_range(const struct dvec3 *corners, uint32_t count, struct bin_range *out)
+/* Bounds of what is asked about. */
+struct extent {
+	struct dvec2 min, max;
+	double top;
+	double near, far; /* bounds of the distance */
+};
+
+static void measure(struct extent *extent)
+{
+	const struct dvec2 *min = &extent->min, *max = &extent->max;
+	extent->near = larger(0.0, larger(min->x, -max->x)) + larger(0.0, larger(min->y, -max->y));
+	extent->far = larger(fabs(min->x), fabs(max->x)) + larger(fabs(min->y), fabs(max->y));
+}
+
+static struct extent extent_of(const struct dvec3 *corners, uint32_t count)
+{
+	struct extent out = { { corners[0].x, corners[0].y }, { corners[0].x, corners[0].y }, corners[0].z, 0.0, 0.0 };
+	for (uint32_t i = 1; i < count; i++) {
+		out.min = (struct dvec2){ smaller(out.min.x, corners[i].x), smaller(out.min.y, corners[i].y) };
+		out.max = (struct dvec2){ larger(out.max.x, corners[i].x), larger(out.max.y, corners[i].y) };
+		out.top = larger(out.top, corners[i].z);
+	}
+	measure(&out);
+	return out;
+}
+
+/* The side that holds all of it, or -1. */
+static int single_side(const struct extent *extent)
+{
+	if (extent->min.x > 0.0)
+		return extent->min.y > 0.0 ? 0 : extent->max.y < 0.0 ? 3 : -1;
+	if (extent->max.x < 0.0)
+		return extent->min.y > 0.0 ? 1 : extent->max.y < 0.0 ? 2 : -1;
+	return -1;
+}
+
+static void range_on_side(const struct dvec3 *corners, uint32_t count, int side, struct bin_range *out)
+{
+	double low = 1.0, high = 0.0;
+	for (uint32_t i = 0; i < count; i++) {
+		struct dvec2 p = { corners[i].x, corners[i].y };
+		double share = fabs(side % 2 ? p.x : p.y) / diamond(p);
+		low = smaller(low, share);
+		high = larger(high, share);
+	}
+	uint32_t first = (uint32_t)(low * SIDE_BINS), last = (uint32_t)(high * SIDE_BINS);
+	last = last < SIDE_BINS ? last : SIDE_BINS - 1;
+	*out = (struct bin_range){ (uint32_t)side * SIDE_BINS + first, last - first + 1 };
+}
+
+/* Around the widest gap between the corners. False when the eye is in the polygon or at its edge. */
+static bool range_around(const struct dvec3 *corners, uint32_t count, struct bin_range *out)
 {
 	double at[4] = { 0.0 };
 	for (uint32_t i = 0; i < count; i++) {
-		struct dvec2 p = { corners[i].x, corners[i].y };
-		if (diamond(p) < TOO_NEAR_M)
-			return false;
-		double azimuth_i = azimuth(p);
+		double azimuth_i = azimuth((struct dvec2){ corners[i].x, corners[i].y });
 		uint32_t k = i;
 		for (; k > 0 && at[k - 1] > azimuth_i; k--)
 			at[k] = at[k - 1];
@@ -270,33 +325,38 @@ static bool find_range(const struct dvec3 *corners, uint32_t count, struct bin_r
 	return true;
 }
 
-static double outside(double low, double high)
+/* False when the eye is in the polygon, or so near to it that no direction is sure. */
+static bool find_range(const struct dvec3 *corners, uint32_t count, const struct extent *extent, struct bin_range *out)
 {
-	return fmax(0.0, fmax(low, -high));
+	int side = single_side(extent);
+	if (side >= 0 && extent->near > TOO_NEAR_M) {
+		range_on_side(corners, count, side, out);
+		return true;
+	}
+	for (uint32_t i = 0; i < count; i++)
+		if (diamond((struct dvec2){ corners[i].x, corners[i].y }) < TOO_NEAR_M)
+			return false;
+	return range_around(corners, count, out);
 }
 
-/* By bounds of the whole polygon. */
-static bool hides_at_once(
-	const struct horizon *horizon, const struct dvec3 *corners, uint32_t count, const struct bin_range *range)
+/* The lowest slope that is blocked in all of these bins, at this distance. */
+static double floor_over(const struct horizon *horizon, const struct bin_range *range, double near)
 {
-	struct dvec3 low = corners[0], high = corners[0];
-	double far = 0.0;
-	for (uint32_t i = 0; i < count; i++) {
-		low.x = fmin(low.x, corners[i].x);
-		low.y = fmin(low.y, corners[i].y);
-		high.x = fmax(high.x, corners[i].x);
-		high.y = fmax(high.y, corners[i].y);
-		high.z = fmax(high.z, corners[i].z);
-		far = fmax(far, fabs(corners[i].x) + fabs(corners[i].y));
-	}
-	double near = outside(low.x, high.x) + outside(low.y, high.y);
-	if (near < TOO_NEAR_M)
-		return false;
-	double slope = high.z / (high.z > 0.0 ? near : far), inverse = 1.0 / near;
-	for (uint32_t i = 0; i < range->count; i++)
-		if (!bin_hides(&horizon->bins[(range->first + i) % HORIZON_BINS], inverse, slope))
-			return false;
-	return true;
+	double inverse = 1.0 / near, lowest = INFINITY;
+	for (uint32_t i = 0; i < range->count && lowest > -INFINITY; i++)
+		lowest = smaller(lowest, blocked_slope(&horizon->bins[(range->first + i) % HORIZON_BINS], inverse));
+	return lowest;
+}
+
+double horizon_floor(const struct horizon *horizon, struct dvec2 min, struct dvec2 max)
+{
+	const struct dvec3 corners[4] = { { min.x, min.y, 0.0 }, { max.x, min.y, 0.0 }, { max.x, max.y, 0.0 },
+		{ min.x, max.y, 0.0 } };
+	struct extent extent = extent_of(corners, 4);
+	struct bin_range range;
+	if (extent.near <= TOO_NEAR_M || !find_range(corners, 4, &extent, &range))
+		return -INFINITY;
+	return floor_over(horizon, &range, extent.near);
 }
 
 static void note_piece(void *context, int side, const struct place *from, const struct place *to)
@@ -306,17 +366,17 @@ static void note_piece(void *context, int side, const struct place *from, const 
 	double scale = length > 0.0 ? 1.0 / length : 0.0;
 	int last = to->bin >= SIDE_BINS ? SIDE_BINS - 1 : (int)to->bin;
 	for (int bin = from->bin >= SIDE_BINS ? SIDE_BINS - 1 : (int)from->bin; bin <= last; bin++) {
-		double t0 = fmax(bin - from->bin, 0.0) * scale, t1 = fmin(bin + 1 - from->bin, length) * scale;
-		double slope = fmax(between(from->slope, to->slope, t0), between(from->slope, to->slope, t1));
-		double inverse = fmax(between(from->inverse, to->inverse, t0), between(from->inverse, to->inverse, t1));
+		double t0 = larger(bin - from->bin, 0.0) * scale, t1 = smaller(bin + 1 - from->bin, length) * scale;
+		double slope = larger(between(from->slope, to->slope, t0), between(from->slope, to->slope, t1));
+		double inverse = larger(between(from->inverse, to->inverse, t0), between(from->inverse, to->inverse, t1));
 		if (scale <= 0.0) {
-			slope = fmax(from->slope, to->slope);
-			inverse = fmax(from->inverse, to->inverse);
+			slope = larger(from->slope, to->slope);
+			inverse = larger(from->inverse, to->inverse);
 		}
 		float *slope_max = &horizon->slope_max[side * SIDE_BINS + bin];
 		float *inverse_max = &horizon->inverse_max[side * SIDE_BINS + bin];
-		*slope_max = fmaxf(*slope_max, (float)slope);
-		*inverse_max = fmaxf(*inverse_max, (float)inverse);
+		*slope_max = (float)larger((double)*slope_max, slope);
+		*inverse_max = (float)larger((double)*inverse_max, inverse);
 	}
 }
 
@@ -335,15 +395,25 @@ static void note_edge(struct horizon *horizon, struct dvec3 a, struct dvec3 b)
 	}
 }
 
-bool horizon_hides(struct horizon *horizon, const struct dvec3 *corners, uint32_t count)
+/* Most of what is seen is told by a corner. */
+static bool shows_corner(const struct horizon *horizon, const struct dvec3 *corners, uint32_t count)
 {
-	struct bin_range range;
-	if (!find_range(corners, count, &range))
-		return false;
-	if (hides_at_once(horizon, corners, count, &range))
-		return true;
-	for (uint32_t i = 0; i < range.count; i++) {
-		uint32_t bin = (range.first + i) % HORIZON_BINS;
+	for (uint32_t i = 0; i < count; i++) {
+		int side = side_of((struct dvec2){ corners[i].x, corners[i].y });
+		struct place place = place_on(corners[i], side);
+		int bin = place.bin < SIDE_BINS ? (int)place.bin : SIDE_BINS - 1;
+		if (blocked_slope(&horizon->bins[side * SIDE_BINS + bin], place.inverse) < with_margin(place.slope))
+			return true;
+	}
+	return false;
+}
+
+/* Bin by bin, by the highest and the nearest that the polygon has there. */
+static bool hides_in_detail(
+	struct horizon *horizon, const struct dvec3 *corners, uint32_t count, const struct bin_range *range)
+{
+	for (uint32_t i = 0; i < range->count; i++) {
+		uint32_t bin = (range->first + i) % HORIZON_BINS;
 		if (!horizon->bins[bin].count)
 			return false;
 		horizon->slope_max[bin] = -INFINITY;
@@ -351,12 +421,30 @@ bool horizon_hides(struct horizon *horizon, const struct dvec3 *corners, uint32_
 	}
 	for (uint32_t i = 0; i < count; i++)
 		note_edge(horizon, corners[i], corners[i + 1 < count ? i + 1 : 0]);
-	for (uint32_t i = 0; i < range.count; i++) {
-		uint32_t bin = (range.first + i) % HORIZON_BINS;
-		bool touched = horizon->inverse_max[bin] > 0.0F;
-		if (touched &&
-			!bin_hides(&horizon->bins[bin], (double)horizon->inverse_max[bin], (double)horizon->slope_max[bin]))
+	for (uint32_t i = 0; i < range->count; i++) {
+		uint32_t bin = (range->first + i) % HORIZON_BINS;
+		double slope = (double)horizon->slope_max[bin], inverse = (double)horizon->inverse_max[bin];
+		if (inverse > 0.0 && blocked_slope(&horizon->bins[bin], inverse) < with_margin(slope))
 			return false;
 	}
 	return true;
+}
+
+bool horizon_hides(struct horizon *horizon, const struct dvec3 *corners, uint32_t count, double floor)
+{
+	struct extent extent = extent_of(corners, count);
+	bool apart = extent.near > TOO_NEAR_M;
+	double slope = INFINITY;
+	if (apart || (extent.top <= 0.0 && extent.far > TOO_NEAR_M))
+		slope = with_margin(extent.top / (extent.top > 0.0 ? extent.near : extent.far));
+	if (slope <= floor)
+		return true;
+	struct bin_range range;
+	if (!find_range(corners, count, &extent, &range))
+		return false;
+	if (apart && slope <= floor_over(horizon, &range, extent.near))
+		return true;
+	if ((range.count == 1 && apart) || shows_corner(horizon, corners, count))
+		return false;
+	return hides_in_detail(horizon, corners, count, &range);
 }

@@ -37,15 +37,20 @@ void horizon_reset(struct horizon *horizon, struct dvec3 eye);
  */
 void horizon_add_outline(struct horizon *horizon, const struct dvec2 *points, uint32_t count, double top);
 
-/* Is all of it hidden? A convex polygon of at most 4 corners, in the frame of the eye; and everything below it. */
-bool horizon_hides(struct horizon *horizon, const struct dvec3 *corners, uint32_t count);
+/* The slope up to which everything in an upright box is hidden, whatever its height; -INFINITY: nothing is. */
+double horizon_floor(const struct horizon *horizon, struct dvec2 min, struct dvec2 max);
 
-/* An upright box in the frame of the eye. */
-static inline bool horizon_hides_box(struct horizon *horizon, struct dvec2 min, struct dvec2 max, double top)
+/* Is all of it hidden? A convex polygon of 3 or 4 corners, in the frame of the eye, and everything below it. `floor`:
+ * of a box that holds the polygon, or -INFINITY. */
+bool horizon_hides(struct horizon *horizon, const struct dvec3 *corners, uint32_t count, double floor);
+
+/* The same for an upright box. */
+static inline bool horizon_hides_box(
+	struct horizon *horizon, struct dvec2 min, struct dvec2 max, double top, double floor)
 {
 	const struct dvec3 lid[4] = { { min.x, min.y, top }, { max.x, min.y, top }, { max.x, max.y, top },
 		{ min.x, max.y, top } };
-	return horizon_hides(horizon, lid, 4);
+	return horizon_hides(horizon, lid, 4, floor);
 }
 
 #endif

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "tools/impostor/extremes.h"
+
 #define TILE_M 96.0
 #define OUTLINE_POINTS_MAX 4096 /* of an outline that is worth raising */
 
@@ -10,9 +12,9 @@
 
 static void grow_box(struct solid_box *box, const struct solid_box *by)
 {
-	box->min = (struct dvec2){ fmin(box->min.x, by->min.x), fmin(box->min.y, by->min.y) };
-	box->max = (struct dvec2){ fmax(box->max.x, by->max.x), fmax(box->max.y, by->max.y) };
-	box->top = fmax(box->top, by->top);
+	box->min = (struct dvec2){ smaller(box->min.x, by->min.x), smaller(box->min.y, by->min.y) };
+	box->max = (struct dvec2){ larger(box->max.x, by->max.x), larger(box->max.y, by->max.y) };
+	box->top = larger(box->top, by->top);
 }
 
 static bool same_place(const int32_t a[2], const int32_t b[2])
@@ -111,8 +113,8 @@ static int compare_distance(const void *left, const void *right)
 
 static double box_distance(const struct solid_box *box, struct dvec2 at)
 {
-	double x = fmax(0.0, fmax(box->min.x - at.x, at.x - box->max.x));
-	double y = fmax(0.0, fmax(box->min.y - at.y, at.y - box->max.y));
+	double x = larger(0.0, larger(box->min.x - at.x, at.x - box->max.x));
+	double y = larger(0.0, larger(box->min.y - at.y, at.y - box->max.y));
 	return hypot(x, y);
 }
 
@@ -149,7 +151,8 @@ static bool solid_holds(const struct solid_map *map, const struct mapped_solid *
 static bool box_hidden(struct horizon *horizon, const struct solid_box *box)
 {
 	struct dvec2 eye = { horizon->eye.x, horizon->eye.y };
-	return horizon_hides_box(horizon, dvec2_sub(box->min, eye), dvec2_sub(box->max, eye), box->top - horizon->eye.z);
+	return horizon_hides_box(
+		horizon, dvec2_sub(box->min, eye), dvec2_sub(box->max, eye), box->top - horizon->eye.z, -INFINITY);
 }
 
 static void raise_by(const struct solid_map *map, const struct mapped_solid *solid, struct horizon *horizon)

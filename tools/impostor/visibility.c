@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tools/impostor/extremes.h"
 #include "tools/impostor/eye_box.h"
 #include "tools/impostor/solid_map.h"
 
@@ -46,16 +47,25 @@ void visible_sets_finish(struct visible_sets *sets)
 struct target {
 	float corners[3][3]; /* m from the search's origin */
 	uint32_t triangle;   /* bit 31: near */
+	uint32_t code;       /* of its place */
 };
 #define TARGET_NEAR (1U << 31)
 
-/* An object within reach. Its targets are listed when it is first not hidden as a whole; those seen are moved behind
- * the others. */
+/* Some targets of one object that are near each other, the hidden ones first. */
+#define CLUSTER_TARGETS 16
+struct cluster {
+	size_t first;
+	uint32_t hidden, count;
+	struct dvec3 min, max; /* m from the search's origin */
+};
+
+/* An object within reach. Its targets are listed when it is first not hidden as a whole. */
 struct candidate {
 	uint32_t object;
 	bool listed;
 	size_t first;
-	uint32_t hidden, count;
+	uint32_t clusters;
+	uint32_t hidden; /* targets */
 };
 
 struct chunk_candidates {
@@ -72,6 +82,7 @@ struct search {
 	ARRAY(struct chunk_candidates) chunks;
 	ARRAY(struct candidate) candidates;
 	ARRAY(struct target) targets;
+	ARRAY(struct cluster) clusters;
 	tile_list tiles;
 	struct horizon horizon;
 };
@@ -142,6 +153,59 @@ static uint32_t list_candidates(struct search *search)
 	return near;
 }
 
+/* Bits of both numbers in turn: close places have close codes. */
+static uint32_t interleave(uint32_t x, uint32_t y)
+{
+	uint32_t out = 0;
+	for (uint32_t bit = 0; bit < 15; bit++)
+		out |= (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1);
+	return out;
+}
+
+static uint32_t code_of(const float (*corners)[3])
+{
+	uint32_t at[2];
+	for (int axis = 0; axis < 2; axis++) {
+		double middle = ((double)corners[0][axis] + (double)corners[1][axis] + (double)corners[2][axis]) / 3.0;
+		at[axis] = (uint32_t)((int32_t)lrint(middle) + (1 << 28)) & 0x7FFF;
+	}
+	return interleave(at[0], at[1]);
+}
+
+static int compare_targets(const void *left, const void *right)
+{
+	const struct target *a = left, *b = right;
+	if (a->code != b->code)
+		return a->code < b->code ? -1 : 1;
+	return a->triangle < b->triangle ? -1 : a->triangle > b->triangle;
+}
+
+static void gather_clusters(struct search *search, size_t first, struct candidate *candidate)
+{
+	struct target *targets = search->targets.items + first;
+	uint32_t count = (uint32_t)(search->targets.count - first);
+	if (count > CLUSTER_TARGETS)
+		qsort(targets, count, sizeof(*targets), compare_targets);
+	candidate->first = search->clusters.count;
+	candidate->hidden = count;
+	for (uint32_t i = 0; i < count; i += CLUSTER_TARGETS) {
+		uint32_t size = count - i < CLUSTER_TARGETS ? count - i : CLUSTER_TARGETS;
+		struct cluster out = { .first = first + i, .hidden = size, .count = size };
+		out.min = (struct dvec3){ INFINITY, INFINITY, INFINITY };
+		out.max = (struct dvec3){ -INFINITY, -INFINITY, -INFINITY };
+		for (uint32_t k = 0; k < size * 3; k++) {
+			const float *at = targets[i + k / 3].corners[k % 3];
+			out.min.x = smaller(out.min.x, (double)at[0]);
+			out.min.y = smaller(out.min.y, (double)at[1]);
+			out.max.x = larger(out.max.x, (double)at[0]);
+			out.max.y = larger(out.max.y, (double)at[1]);
+			out.max.z = larger(out.max.z, (double)at[2]);
+		}
+		ARRAY_PUSH(&search->clusters, out);
+		candidate->clusters++;
+	}
+}
+
 static void list_targets(struct search *search, struct candidate *candidate)
 {
 	const struct pkg_object *object = &search->pkg->objects[candidate->object];
@@ -149,7 +213,7 @@ static void list_targets(struct search *search, struct candidate *candidate)
 	bool all_near = reach.farthest < search->near_m, mixed = reach.nearest < search->near_m && !all_near;
 	mixed |= reach.farthest > search->far_m;
 	candidate->listed = true;
-	candidate->first = search->targets.count;
+	size_t first = search->targets.count;
 	uint32_t size = triangle_set_object_size(object);
 	for (uint32_t i = 0; i < size; i++) {
 		struct dvec3 corner[3];
@@ -167,59 +231,91 @@ static void list_targets(struct search *search, struct candidate *candidate)
 			target.corners[k][1] = (float)(corner[k].y - search->origin.y);
 			target.corners[k][2] = (float)(corner[k].z - search->origin.z);
 		}
+		target.code = code_of((const float(*)[3])target.corners);
 		ARRAY_PUSH(&search->targets, target);
 	}
-	candidate->hidden = candidate->count = (uint32_t)(search->targets.count - candidate->first);
+	gather_clusters(search, first, candidate);
 }
 
-static bool hides_bounds(struct horizon *horizon, const int32_t min_mm[3], const int32_t max_mm[3])
+/* A box in the frame of the eye, as far as horizons care. */
+struct bounds {
+	struct dvec2 min, max;
+	double top;
+};
+
+static struct bounds bounds_of(const struct horizon *horizon, const int32_t min_mm[3], const int32_t max_mm[3])
 {
-	struct dvec2 min = { min_mm[0] * 1e-3 - horizon->eye.x, min_mm[1] * 1e-3 - horizon->eye.y };
-	struct dvec2 max = { max_mm[0] * 1e-3 - horizon->eye.x, max_mm[1] * 1e-3 - horizon->eye.y };
-	return horizon_hides_box(horizon, min, max, max_mm[2] * 1e-3 - horizon->eye.z);
+	const struct dvec3 *eye = &horizon->eye;
+	return (struct bounds){ { min_mm[0] * 1e-3 - eye->x, min_mm[1] * 1e-3 - eye->y },
+		{ max_mm[0] * 1e-3 - eye->x, max_mm[1] * 1e-3 - eye->y }, max_mm[2] * 1e-3 - eye->z };
 }
 
-static bool target_hidden(struct horizon *horizon, const struct target *target, struct dvec3 shift)
+static bool hides(struct horizon *horizon, const struct bounds *bounds, double floor)
+{
+	return horizon_hides_box(horizon, bounds->min, bounds->max, bounds->top, floor);
+}
+
+static bool target_hidden(struct horizon *horizon, const struct target *target, struct dvec3 shift, double floor)
 {
 	struct dvec3 corners[3];
 	for (int i = 0; i < 3; i++)
 		corners[i] = (struct dvec3){ (double)target->corners[i][0] - shift.x, (double)target->corners[i][1] - shift.y,
 			(double)target->corners[i][2] - shift.z };
-	return horizon_hides(horizon, corners, 3);
+	return horizon_hides(horizon, corners, 3, floor);
 }
 
-static void look_at_targets(struct search *search, struct candidate *candidate)
+/* Returns how many were seen. */
+static uint32_t look_at_cluster(struct search *search, struct cluster *cluster)
 {
-	struct dvec3 eye = search->horizon.eye;
-	struct dvec3 shift = { eye.x - search->origin.x, eye.y - search->origin.y, eye.z - search->origin.z };
-	struct target *targets = &search->targets.items[candidate->first];
-	for (uint32_t i = 0; i < candidate->hidden;) {
-		if (target_hidden(&search->horizon, &targets[i], shift)) {
+	struct horizon *horizon = &search->horizon;
+	struct dvec3 shift = { horizon->eye.x - search->origin.x, horizon->eye.y - search->origin.y,
+		horizon->eye.z - search->origin.z };
+	struct bounds bounds = { { cluster->min.x - shift.x, cluster->min.y - shift.y },
+		{ cluster->max.x - shift.x, cluster->max.y - shift.y }, cluster->max.z - shift.z };
+	double floor = cluster->hidden > 1 ? horizon_floor(horizon, bounds.min, bounds.max) : -INFINITY;
+	if (cluster->hidden > 1 && hides(horizon, &bounds, floor))
+		return 0;
+	uint32_t before = cluster->hidden;
+	struct target *targets = &search->targets.items[cluster->first];
+	for (uint32_t i = 0; i < cluster->hidden;) {
+		if (target_hidden(horizon, &targets[i], shift, floor)) {
 			i++;
 			continue;
 		}
 		struct target seen = targets[i];
-		targets[i] = targets[--candidate->hidden];
-		targets[candidate->hidden] = seen;
+		targets[i] = targets[--cluster->hidden];
+		targets[cluster->hidden] = seen;
 	}
+	return before - cluster->hidden;
+}
+
+static void look_at_candidate(struct search *search, struct candidate *candidate, double floor)
+{
+	const struct pkg_object *object = &search->pkg->objects[candidate->object];
+	struct bounds bounds = bounds_of(&search->horizon, object->min_mm, object->max_mm);
+	if (hides(&search->horizon, &bounds, floor))
+		return;
+	if (!candidate->listed)
+		list_targets(search, candidate);
+	for (size_t c = candidate->first; c < candidate->first + candidate->clusters; c++)
+		if (search->clusters.items[c].hidden)
+			candidate->hidden -= look_at_cluster(search, &search->clusters.items[c]);
 }
 
 static void look_at_chunk(struct search *search, struct chunk_candidates *chunk)
 {
-	const struct pkg_chunk *bounds = &search->pkg->chunks[chunk->chunk];
-	if (!chunk->open || hides_bounds(&search->horizon, bounds->min_mm, bounds->max_mm))
+	const struct pkg_chunk *box = &search->pkg->chunks[chunk->chunk];
+	struct bounds bounds = bounds_of(&search->horizon, box->min_mm, box->max_mm);
+	if (!chunk->open)
+		return;
+	double floor = horizon_floor(&search->horizon, bounds.min, bounds.max);
+	if (hides(&search->horizon, &bounds, floor))
 		return;
 	chunk->open = 0;
 	for (uint32_t i = chunk->first; i < chunk->first + chunk->count; i++) {
 		struct candidate *candidate = &search->candidates.items[i];
-		const struct pkg_object *object = &search->pkg->objects[candidate->object];
-		if (candidate->listed && !candidate->hidden)
-			continue;
-		if (!hides_bounds(&search->horizon, object->min_mm, object->max_mm)) {
-			if (!candidate->listed)
-				list_targets(search, candidate);
-			look_at_targets(search, candidate);
-		}
+		if (!candidate->listed || candidate->hidden)
+			look_at_candidate(search, candidate, floor);
 		chunk->open += !candidate->listed || candidate->hidden;
 	}
 }
@@ -240,14 +336,17 @@ static void look_around(struct search *search, const struct solid_map *solids)
 static void keep(const struct search *search, const struct candidate *candidate, bool near, struct triangle_set *out)
 {
 	uint64_t *words = NULL;
-	for (uint32_t i = candidate->hidden; i < candidate->count; i++) {
-		uint32_t triangle = search->targets.items[candidate->first + i].triangle;
-		if (((triangle & TARGET_NEAR) != 0) != near)
-			continue;
-		if (!words)
-			words = triangle_set_add(out, search->pkg, candidate->object);
-		triangle &= ~TARGET_NEAR;
-		words[triangle / 64] |= UINT64_C(1) << (triangle % 64);
+	for (size_t c = candidate->first; c < candidate->first + candidate->clusters; c++) {
+		const struct cluster *cluster = &search->clusters.items[c];
+		for (uint32_t i = cluster->hidden; i < cluster->count; i++) {
+			uint32_t triangle = search->targets.items[cluster->first + i].triangle;
+			if (((triangle & TARGET_NEAR) != 0) != near)
+				continue;
+			if (!words)
+				words = triangle_set_add(out, search->pkg, candidate->object);
+			triangle &= ~TARGET_NEAR;
+			words[triangle / 64] |= UINT64_C(1) << (triangle % 64);
+		}
 	}
 }
 
@@ -275,6 +374,7 @@ void visible_set(const struct visibility *visibility, const struct view_cell *ce
 	ARRAY_FINISH(&search->chunks);
 	ARRAY_FINISH(&search->candidates);
 	ARRAY_FINISH(&search->targets);
+	ARRAY_FINISH(&search->clusters);
 	ARRAY_FINISH(&search->tiles);
 	array_free(search);
 }
