@@ -12,16 +12,20 @@
 #include "tools/impostor/sheet_mesh.h"
 #include "tools/impostor/triangle_rows.h"
 
-#define PLANE_SHARE 0.6
-#define JOIN_SHARE 0.6
+#define PLANE_SHARE 0.9
+#define JOIN_SHARE 0.2
 #define GUARD_PX 3
-#define SLACK_PX 2
-#define INNER_PX 0.75
-#define SWALLOW_PX 6
-#define SWALLOW_SHARE 0.001
-#define COARSER 1.6 /* tau's factor from one try to the next, when there are too many triangles */
+#define CLOSE_PX 10
+#define PRICE_PX2 80.0
+#define INNER_PX 1.0
+#define SWALLOW_PX 16
+#define SWALLOW_SHARE 0.004
+/* With too many triangles, tau grows by the excess to this power, within these bounds, from one try to the next. */
+#define COARSER_POWER 0.8
+#define COARSER_MIN 1.25
+#define COARSER_MAX 4.0
+#define TRIANGLES_MIN 8 /* for a capture, whatever the earlier ones took */
 #define TRIES 12
-#define TRIANGLES_MIN 32 /* for a capture, whatever the earlier ones took */
 
 struct meshing {
 	const struct impostor_capture *capture;
@@ -104,18 +108,22 @@ static void mesh_once(struct meshing *meshing, double factor, uint8_t view, stru
 	surfaces_find(&surfaces, &(struct surfaces_input){ .image = &meshing->capture->image,
 								 .owned = meshing->owned,
 								 .tolerance = meshing->scaled,
+								 .gap_px = 2 * CLOSE_PX,
 								 .swallow_px = (uint32_t)(SWALLOW_PX * coarse),
 								 .swallow_share = SWALLOW_SHARE * coarse * coarse });
 	struct sheets sheets = { 0 };
-	sheets_find(&sheets, &surfaces, meshing->scaled, JOIN_SHARE / PLANE_SHARE);
 	scale_tolerances(meshing, factor);
-	uint32_t slack = (uint32_t)fmin(SLACK_PX * sqrt(coarse), 16);
+	sheets_find(&sheets, &surfaces, meshing->scaled, JOIN_SHARE);
 	struct sheet_source source = { .image = &meshing->capture->image,
 		.surfaces = &surfaces,
 		.sheets = &sheets,
 		.tolerance = meshing->scaled,
 		.open_below = meshing->open_below,
-		.options = { .guard_px = GUARD_PX, .slack_px = slack, .inner_px = INNER_PX * sqrt(coarse), .view = view } };
+		.options = { .guard_px = GUARD_PX,
+			.close_px = CLOSE_PX,
+			.price_px2 = PRICE_PX2 * coarse,
+			.inner_px = INNER_PX * sqrt(coarse),
+			.view = view } };
 	for (uint32_t i = 0; i + 1 < sheets.first.count; i++)
 		sheet_mesh(&meshing->mesher, &source, i, mesh);
 	sheets_finish(&sheets);
@@ -164,15 +172,15 @@ static void measure(struct meshing *meshing, size_t first_patch, struct impostor
 		for (uint32_t k = 0; k < patch->index_count; k += 3)
 			measure_triangle(meshing, mesh, patch, mesh->indices.items + patch->first_index + k);
 	}
-	uint32_t over = 0;
 	for (uint32_t i = 0; i < meshing->width * meshing->height; i++) {
 		if (!meshing->owned[i])
 			continue;
-		over += (double)meshing->error_px[i] > tau_px(meshing->options);
+		mesh->over_px += (double)meshing->error_px[i] > tau_px(meshing->options);
 		if (isfinite(meshing->error_px[i]))
 			mesh->error_px = fmax(mesh->error_px, (double)meshing->error_px[i]);
 	}
-	mesh->over_share = fmax(mesh->over_share, (double)over / meshing->pixels);
+	mesh->shown_px += meshing->pixels;
+	mesh->over_share = (double)mesh->over_px / (double)mesh->shown_px;
 }
 
 static void cut_back(struct impostor_mesh *mesh, const struct impostor_mesh *to)
@@ -200,15 +208,17 @@ void impostor_mesh_add(struct impostor_mesh *mesh, const struct view_cell *cell,
 			&meshing.displacement, cell, &capture->image.view, options->focal_px, (double)largest_disparity(&meshing));
 		find_tolerances(&meshing);
 		struct impostor_mesh before = *mesh;
-		size_t limit = SIZE_MAX, used = before.indices.count / 3;
+		size_t used = before.indices.count / 3, limit = SIZE_MAX;
 		if (options->triangles_max)
-			limit = options->triangles_max > used + TRIANGLES_MIN ? options->triangles_max : used + TRIANGLES_MIN;
+			limit = options->triangles_max > used + TRIANGLES_MIN ? options->triangles_max - used : TRIANGLES_MIN;
 		double factor = 1;
-		for (int i = 0; i < TRIES; i++, factor *= COARSER) {
+		for (int i = 0; i < TRIES; i++) {
 			cut_back(mesh, &before);
 			mesh_once(&meshing, factor, view, mesh);
-			if (mesh->indices.count / 3 <= limit)
+			size_t made = mesh->indices.count / 3 - used;
+			if (made <= limit)
 				break;
+			factor *= fmin(fmax(pow((double)made / (double)limit, COARSER_POWER), COARSER_MIN), COARSER_MAX);
 		}
 		measure(&meshing, before.patches.count, mesh);
 		displacement_finish(&meshing.displacement);

@@ -6,7 +6,8 @@
 
 #include "tools/impostor/triangle_rows.h"
 
-#define AGREE_PX 2        /* spread over what another sheet shows at the same disparity */
+#define RING_PX 1
+#define SEAM_PX 2         /* spread over what another sheet shows at the same disparity */
 #define CELL_PX 240       /* large surfaces are cut along multiples of this */
 #define FOLD_INNER_PX 1.5 /* how far a point on a border moves to the fold; where the sheet ends, ... */
 #define FOLD_OUTER_PX 3.0 /* ... and the border was spread by rule of thumb */
@@ -32,7 +33,7 @@ static const struct surface *surface_of(const struct sheet_source *source, uint3
 
 static void open_window(struct sheet_mesher *mesher, const struct sheet_source *source, uint32_t sheet)
 {
-	int32_t margin = (int32_t)(source->options.guard_px + source->options.slack_px + 2);
+	int32_t margin = (int32_t)(source->options.guard_px + source->options.close_px) + RING_PX + MESH_REACH_PX + 2;
 	int32_t min_x = INT32_MAX, min_y = INT32_MAX, max_x = 0, max_y = 0;
 	const struct sheets *sheets = source->sheets;
 	for (uint32_t i = sheets->first.items[sheet]; i < sheets->first.items[sheet + 1]; i++) {
@@ -49,6 +50,8 @@ static void open_window(struct sheet_mesher *mesher, const struct sheet_source *
 	size_t count = (size_t)mesher->width * mesher->height;
 	ARRAY_RESERVE(&mesher->label, count);
 	memset(mesher->label.items, 0, count * sizeof(uint32_t));
+	ARRAY_RESERVE(&mesher->seam, count);
+	memset(mesher->seam.items, 0, count);
 	mesher->front.count = 0;
 	for (int32_t y = min_y; y <= max_y; y++) {
 		const uint32_t *row = source->surfaces->label + (size_t)y * source->surfaces->width;
@@ -62,20 +65,27 @@ static void open_window(struct sheet_mesher *mesher, const struct sheet_source *
 	}
 }
 
-enum spread { SPREAD_GUARD, SPREAD_RING };
+#define LENT (UINT32_C(1) << 31) /* of a label: taken back where it closes no gap */
 
-static bool may_spread(const struct sheet_mesher *mesher, const struct sheet_source *source, enum spread how,
-	uint32_t step, uint32_t from, uint32_t to)
+enum spread { SPREAD_GUARD, SPREAD_RING, SPREAD_LENT };
+
+/* Under what is nearer; over what is tied to it, which is to be overlapped; down to the near ground. */
+static bool may_guard(
+	struct sheet_mesher *mesher, const struct sheet_source *source, uint32_t step, uint32_t from, uint32_t to)
 {
-	if (how == SPREAD_RING)
-		return true;
 	int64_t x = mesher->x + (int64_t)(to % mesher->width), y = mesher->y + (int64_t)(to / mesher->width);
 	if (x < 0 || y < 0 || x >= source->surfaces->width || y >= source->surfaces->height)
 		return false;
-	if (source->open_below[(size_t)y * source->surfaces->width + (size_t)x])
+	size_t pixel = (size_t)y * source->surfaces->width + (size_t)x;
+	if (source->open_below[pixel])
 		return to == from + mesher->width;
-	enum mesh_texel texel = texel_of(source, surface_of(source, mesher->label.items[from]), (uint32_t)x, (uint32_t)y);
-	return texel == MESH_FILL || (texel == MESH_SHOW && step < AGREE_PX);
+	uint32_t label = mesher->label.items[from], other = source->surfaces->label[pixel];
+	if (step < SEAM_PX && other && sheets_tied(source->sheets, label - 1, other - 1)) {
+		mesher->seam.items[to] = 1;
+		return true;
+	}
+	enum mesh_texel texel = texel_of(source, surface_of(source, label), (uint32_t)x, (uint32_t)y);
+	return texel == MESH_FILL || (texel == MESH_SHOW && step < SEAM_PX);
 }
 
 /* By one pixel a step; every other step diagonally too, which makes octagons of points. */
@@ -85,15 +95,17 @@ static void spread(struct sheet_mesher *mesher, const struct sheet_source *sourc
 	const int64_t offsets[8] = { 1, -1, width, -width, width + 1, width - 1, -width + 1, -width - 1 };
 	for (uint32_t step = 0; step < steps; step++) {
 		mesher->next_front.count = 0;
-		int neighbours = how == SPREAD_RING && step % 2 == 0 ? 8 : 4;
+		int neighbours = how != SPREAD_GUARD && step % 2 == 0 ? 8 : 4;
 		for (size_t i = 0; i < mesher->front.count; i++) {
 			uint32_t from = mesher->front.items[i];
 			for (int k = 0; k < neighbours; k++) {
 				uint32_t to = (uint32_t)(from + offsets[k]);
-				if (mesher->label.items[to] || !may_spread(mesher, source, how, step, from, to))
+				if (mesher->label.items[to] || (how == SPREAD_GUARD && !may_guard(mesher, source, step, from, to)))
 					continue;
-				mesher->label.items[to] = mesher->label.items[from];
+				mesher->label.items[to] = mesher->label.items[from] | (how == SPREAD_LENT ? LENT : 0);
 				ARRAY_PUSH(&mesher->next_front, to);
+				if (how == SPREAD_LENT)
+					ARRAY_PUSH(&mesher->lent, to);
 			}
 		}
 		uint32_t *swap = mesher->front.items;
@@ -120,10 +132,50 @@ static void find_front(struct sheet_mesher *mesher)
 	}
 }
 
-static int32_t clamped(double value, int32_t max)
+/* Takes back lent pixels from the rim inwards, as many steps as they were lent in: what lies between is kept. */
+static void take_back(struct sheet_mesher *mesher, uint32_t steps)
 {
-	long rounded = lround(value);
-	return rounded < 0 ? 0 : rounded > max ? max : (int32_t)rounded;
+	const int64_t width = mesher->width;
+	const int64_t offsets[8] = { 1, -1, width, -width, width + 1, width - 1, -width + 1, -width - 1 };
+	uint32_t *label = mesher->label.items;
+	for (uint32_t step = 0; step < steps; step++) {
+		int neighbours = step % 2 == 0 ? 8 : 4;
+		size_t left = 0;
+		mesher->next_front.count = 0;
+		for (size_t i = 0; i < mesher->lent.count; i++) {
+			uint32_t at = mesher->lent.items[i];
+			bool rim = false;
+			for (int k = 0; k < neighbours && !rim; k++)
+				rim = !label[at + offsets[k]];
+			if (rim)
+				ARRAY_PUSH(&mesher->next_front, at);
+			else
+				mesher->lent.items[left++] = at;
+		}
+		mesher->lent.count = left;
+		for (size_t i = 0; i < mesher->next_front.count; i++)
+			label[mesher->next_front.items[i]] = 0;
+	}
+}
+
+/* Closes gaps (a morphological closing): lends pixels all around, and takes back those that no gap's other side
+ * reaches. */
+static void close_gaps(struct sheet_mesher *mesher, const struct sheet_source *source)
+{
+	find_front(mesher);
+	mesher->lent.count = 0;
+	spread(mesher, source, SPREAD_LENT, source->options.close_px);
+	take_back(mesher, source->options.close_px);
+	for (size_t i = 0; i < mesher->lent.count; i++)
+		mesher->label.items[mesher->lent.items[i]] &= ~LENT;
+}
+
+/* To the lattice, within the image and the triangulation's rectangle. */
+static int32_t clamped(double value, int32_t min, int32_t max, int32_t image)
+{
+	min = min < 0 ? 0 : min + 1;
+	max = max > image ? image : max - 1;
+	return (int32_t)lround(fmin(fmax(value, min), max));
 }
 
 /* The distinct labels of up to four pixels. */
@@ -208,9 +260,10 @@ static struct cdt_point lattice_point(const struct sheet_mesher *mesher, const s
 		move_to_fold(source, meeting, &x, &y);
 	else if (meeting->outer)
 		move_from_horizon(surface_of(source, meeting->labels[0]), &x, &y);
+	struct cdt_point min = mesher->cdt.points.items[0], max = mesher->cdt.points.items[2];
 	return (struct cdt_point){
-		clamped(x * MESH_LATTICE, (int32_t)source->surfaces->width * MESH_LATTICE),
-		clamped(y * MESH_LATTICE, (int32_t)source->surfaces->height * MESH_LATTICE),
+		clamped(x * MESH_LATTICE, min.x, max.x, (int32_t)source->surfaces->width * MESH_LATTICE),
+		clamped(y * MESH_LATTICE, min.y, max.y, (int32_t)source->surfaces->height * MESH_LATTICE),
 	};
 }
 
@@ -223,35 +276,76 @@ static void start_triangulation(struct sheet_mesher *mesher)
 	cdt_init(&mesher->cdt, min, max);
 }
 
-static void add_chain(struct sheet_mesher *mesher, const struct sheet_source *source, const struct chain *chain)
+/* A loop has its first point once and no ends; ends are pixels' corners, where other chains may meet. */
+static void add_polyline(struct sheet_mesher *mesher, const struct sheet_source *source, const struct chain *chain,
+	const struct contour_point *points, size_t count, bool loop)
 {
 	struct meeting sides = { 0 };
 	meet(&sides, chain->left);
 	meet(&sides, chain->right);
-	const struct contour_point *points = mesher->contours.points.items + chain->first;
-	simplify(&mesher->simplifier, points, chain->count, chain->closed,
-		sides.outer ? source->options.slack_px : source->options.inner_px);
-	uint32_t last = CDT_NONE;
-	for (size_t i = 0; i < mesher->simplifier.kept.count; i++) {
-		uint32_t at = mesher->simplifier.kept.items[i];
-		bool end = at == 0 || at + 1 == chain->count;
-		struct meeting meeting = end ? meeting_at(mesher, points[at]) : sides;
-		uint32_t point = cdt_add_point(&mesher->cdt, lattice_point(mesher, source, points[at], &meeting));
-		if (last != CDT_NONE)
+	uint32_t first = CDT_NONE, last = CDT_NONE;
+	for (size_t i = 0; i < count; i++) {
+		bool end = !loop && (i == 0 || i + 1 == count);
+		struct meeting meeting = end ? meeting_at(mesher, points[i]) : sides;
+		uint32_t point = cdt_add_point(&mesher->cdt, lattice_point(mesher, source, points[i], &meeting));
+		if (last == CDT_NONE)
+			first = point;
+		else
 			cdt_add_segment(&mesher->cdt, last, point);
 		last = point;
 	}
+	if (loop)
+		cdt_add_segment(&mesher->cdt, last, first);
+}
+
+/* A hole that is cheaper filled: its points and two triangles more are saved. */
+static bool is_idle_hole(const struct sheet_mesher *mesher, const struct sheet_source *source)
+{
+	return mesher->hull.area <= source->options.price_px2 * (double)(mesher->hull.kept.count + 2);
+}
+
+/* Is what a closed chain goes around outside of the sheet? y is down: clockwise has its right inside. */
+static bool is_hole(const struct chain *chain, const struct contour_point *points)
+{
+	double twice = 0;
+	for (uint32_t i = 1; i < chain->count; i++)
+		twice += (double)points[i - 1].x * (double)points[i].y - (double)points[i - 1].y * (double)points[i].x;
+	return (twice > 0 ? chain->right : chain->left) == 0;
+}
+
+static void add_inner_chain(struct sheet_mesher *mesher, const struct sheet_source *source, const struct chain *chain)
+{
+	const struct contour_point *points = mesher->contours.points.items + chain->first;
+	simplify(&mesher->simplifier, points, chain->count, chain->closed, source->options.inner_px);
+	mesher->inner.count = 0;
+	for (size_t i = 0; i < mesher->simplifier.kept.count; i++)
+		ARRAY_PUSH(&mesher->inner, points[mesher->simplifier.kept.items[i]]);
+	add_polyline(mesher, source, chain, mesher->inner.items, mesher->inner.count, false);
+}
+
+static void add_outer_chain(struct sheet_mesher *mesher, const struct sheet_source *source, const struct chain *chain)
+{
+	const struct contour_point *points = mesher->contours.points.items + chain->first;
+	bool loop = chain->closed && meeting_at(mesher, points[0]).count == 1;
+	hull_grow(&mesher->hull, points, chain->count, loop, !chain->left, source->options.price_px2, MESH_REACH_PX);
+	if (!loop || !is_hole(chain, points) || !is_idle_hole(mesher, source))
+		add_polyline(mesher, source, chain, mesher->hull.kept.items, mesher->hull.kept.count, loop);
 }
 
 static void add_chains(struct sheet_mesher *mesher, const struct sheet_source *source)
 {
-	for (size_t i = 0; i < mesher->contours.chains.count; i++)
-		add_chain(mesher, source, &mesher->contours.chains.items[i]);
+	for (size_t i = 0; i < mesher->contours.chains.count; i++) {
+		const struct chain *chain = &mesher->contours.chains.items[i];
+		if (chain->left && chain->right)
+			add_inner_chain(mesher, source, chain);
+		else
+			add_outer_chain(mesher, source, chain);
+	}
 }
 
 static bool is_large(const struct sheet_source *source, const struct surface *surface)
 {
-	uint32_t margin = 2 * (source->options.guard_px + 2 * source->options.slack_px + 2);
+	uint32_t margin = 2 * (source->options.guard_px + RING_PX + MESH_REACH_PX + 2);
 	return surface->max_x - surface->min_x + 1u + margin > MESH_PATCH_PX ||
 		   surface->max_y - surface->min_y + 1u + margin > MESH_PATCH_PX;
 }
@@ -265,7 +359,7 @@ static void add_line(struct sheet_mesher *mesher, struct cdt_point from, struct 
 /* Lines that cut large surfaces into cells. */
 static void add_cell_lines(struct sheet_mesher *mesher, const struct sheet_source *source, uint32_t sheet)
 {
-	int32_t reach = (int32_t)(source->options.guard_px + 2 * source->options.slack_px + 1);
+	int32_t reach = (int32_t)source->options.guard_px + RING_PX + MESH_REACH_PX + 1;
 	struct cdt_point low = mesher->cdt.points.items[0], high = mesher->cdt.points.items[2];
 	for (uint32_t i = source->sheets->first.items[sheet]; i < source->sheets->first.items[sheet + 1]; i++) {
 		const struct surface *surface = &source->surfaces->items.items[source->sheets->members.items[i]];
@@ -331,7 +425,8 @@ static uint32_t label_at(const struct sheet_mesher *mesher, int64_t x, int64_t y
 	return mesher->label.items[(size_t)y * mesher->width + (size_t)x];
 }
 
-/* The label of most pixel centres of the gathered face; of its first triangle's middle if it has none. */
+/* The label of most pixel centres of the gathered face, if any has one: outlines only grow, so a face with a labelled
+ * pixel is inside. Of its first triangle's middle if there are no pixel centres at all. */
 static uint32_t vote(struct sheet_mesher *mesher)
 {
 	uint32_t best = 0, best_votes = 0, pixels = 0;
@@ -345,7 +440,7 @@ static uint32_t vote(struct sheet_mesher *mesher)
 				for (int32_t x = run.from; x < run.to; x++) {
 					uint32_t label = label_at(mesher, x, y);
 					uint32_t *votes = &mesher->votes.items[label];
-					*votes = pass ? 0 : *votes + 1;
+					*votes = pass || !label ? 0 : *votes + 1;
 					pixels++;
 					if (*votes > best_votes) {
 						best = label;
@@ -435,8 +530,8 @@ static void place_points(struct sheet_mesher *mesher, const struct sheet_source 
 	memset(mesher->stamp.items, 0xff, count * sizeof(uint32_t));
 }
 
-static void add_texels(const struct sheet_source *source, uint32_t label, uint32_t sheet, struct impostor_mesh *mesh,
-	struct mesh_patch *patch)
+static void add_texels(const struct sheet_mesher *mesher, const struct sheet_source *source, uint32_t label,
+	uint32_t sheet, struct impostor_mesh *mesh, struct mesh_patch *patch)
 {
 	patch->first_texel = (uint32_t)mesh->texels.count;
 	const struct surfaces *surfaces = source->surfaces;
@@ -445,8 +540,13 @@ static void add_texels(const struct sheet_source *source, uint32_t label, uint32
 		for (uint32_t x = patch->min_x; x <= patch->max_x; x++) {
 			uint32_t pixel = y * surfaces->width + x, own = surfaces->label[pixel];
 			enum mesh_texel texel = MESH_SHOW;
-			if (!own || source->sheets->sheet_of.items[own - 1] != sheet)
-				texel = source->open_below[pixel] ? MESH_FILL : texel_of(source, surface, x, y);
+			if (!own || source->sheets->sheet_of.items[own - 1] != sheet) {
+				size_t at = (size_t)((int32_t)y - mesher->y) * mesher->width + (size_t)((int32_t)x - mesher->x);
+				if (source->open_below[pixel])
+					texel = MESH_FILL;
+				else if (!mesher->seam.items[at])
+					texel = texel_of(source, surface, x, y);
+			}
 			ARRAY_PUSH(&mesh->texels, (uint8_t)texel);
 		}
 	}
@@ -489,7 +589,7 @@ static void add_patch(struct sheet_mesher *mesher, const struct sheet_source *so
 	patch.min_y = (uint16_t)(min.y / MESH_LATTICE);
 	patch.max_x = (uint16_t)((max.x - 1) / MESH_LATTICE);
 	patch.max_y = (uint16_t)((max.y - 1) / MESH_LATTICE);
-	add_texels(source, label, sheet, mesh, &patch);
+	add_texels(mesher, source, label, sheet, mesh, &patch);
 	ARRAY_PUSH(&mesh->patches, patch);
 }
 
@@ -509,8 +609,9 @@ void sheet_mesh(
 {
 	open_window(mesher, source, sheet);
 	spread(mesher, source, SPREAD_GUARD, source->options.guard_px);
+	close_gaps(mesher, source);
 	find_front(mesher);
-	spread(mesher, source, SPREAD_RING, source->options.slack_px);
+	spread(mesher, source, SPREAD_RING, RING_PX);
 	contours_trace(&mesher->contours, mesher->label.items, mesher->width, mesher->height);
 	start_triangulation(mesher);
 	add_chains(mesher, source);
@@ -528,8 +629,12 @@ void sheet_mesher_finish(struct sheet_mesher *mesher)
 	ARRAY_FINISH(&mesher->label);
 	ARRAY_FINISH(&mesher->front);
 	ARRAY_FINISH(&mesher->next_front);
+	ARRAY_FINISH(&mesher->seam);
+	ARRAY_FINISH(&mesher->lent);
 	contours_finish(&mesher->contours);
 	simplifier_finish(&mesher->simplifier);
+	ARRAY_FINISH(&mesher->inner);
+	hull_finish(&mesher->hull);
 	cdt_finish(&mesher->cdt);
 	ARRAY_FINISH(&mesher->face);
 	ARRAY_FINISH(&mesher->members);

@@ -2,26 +2,29 @@
  * Triangles of one sheet of surfaces.
  *
  * The sheet's pixels are taken alone. They are first spread: some pixels under whatever is nearer, and down to where
- * the near ground will be (`guard_px`), so that parallax uncovers a continuation and no hole; and by a ring of
- * `slack_px` on all sides. The contour may then be simplified by as much as the ring is wide without losing a pixel;
- * what is too much is cut out by the texture. Borders between the sheet's surfaces are simplified by inner_px. An exact
- * constrained Delaunay triangulation on a lattice of MESH_LATTICE points a pixel has all of them as segments; its faces
- * take the surface of most of their pixels.
+ * the near ground will be (`guard_px`), so that parallax uncovers a continuation and no hole; and by a ring of a pixel
+ * on all sides, for the texture's filter. The outline may then grow, and holes shrink, by as much area as the triangles
+ * are worth that it saves (`price_px2`): what is too much is cut out by the texture. Borders between the sheet's
+ * surfaces are simplified by inner_px. An exact constrained Delaunay triangulation on a lattice of MESH_LATTICE points
+ * a pixel has all of them as segments; its faces take the surface of most of their pixels.
  */
 #ifndef BLVD_TOOLS_IMPOSTOR_SHEET_MESH_H
 #define BLVD_TOOLS_IMPOSTOR_SHEET_MESH_H
 
 #include "tools/impostor/cdt.h"
 #include "tools/impostor/contours.h"
+#include "tools/impostor/hull.h"
 #include "tools/impostor/impostor.h"
 #include "tools/impostor/sheets.h"
 #include "tools/impostor/simplify.h"
 
 #define MESH_LATTICE 8
 #define MESH_PATCH_PX 248u /* largest side of a patch: a page with a border */
+#define MESH_REACH_PX 8    /* how far an outline may grow */
 
 struct sheet_options {
-	uint32_t guard_px, slack_px;
+	uint32_t guard_px, close_px;
+	double price_px2; /* area that a triangle is worth */
 	double inner_px;
 	uint8_t view;
 };
@@ -39,9 +42,12 @@ struct sheet_mesher {
 	int32_t x, y; /* of the window's first pixel in the image; may be negative */
 	uint32_t width, height;
 	ARRAY(uint32_t) label; /* of the window: surface + 1 */
-	ARRAY(uint32_t) front, next_front;
+	ARRAY(uint8_t) seam;   /* of the window: spread over a surface that is tied */
+	ARRAY(uint32_t) front, next_front, lent;
 	struct contours contours;
 	struct simplifier simplifier;
+	ARRAY(struct contour_point) inner; /* what is left of a chain between surfaces */
+	struct hull hull;
 	struct cdt cdt;
 	ARRAY(uint32_t) face;    /* by triangle, then the surface + 1 of its face */
 	ARRAY(uint32_t) members; /* triangles of a face */

@@ -5,36 +5,40 @@
 #include <stdbool.h>
 #include <string.h>
 
-#define FOLD_PX 0.0  /* planes that meet so near to a pixel's side fold there */
+#define FOLD_PX 1.0     /* planes that meet so near to a pixel's side fold there */
+#define JOINED_SIDES 24 /* shorter borders are not joined */
 
-struct tie {
-	uint32_t a, b; /* surfaces */
-	uint32_t sides, jumps;
-};
 struct tying {
-	ARRAY(struct tie) ties;        /* sorted by a, then b */
+	struct sheets *sheets;
 	ARRAY(uint32_t) first, beside; /* ties by surface, compressed rows */
 	ARRAY(uint32_t) next, last;    /* surfaces of a sheet as a list; last by sheet's first surface */
 	ARRAY(uint32_t) sheet, size;
 };
 
-static bool is_jump(const struct tie *tie)
+static bool can_join(const struct tie *tie)
 {
-	return tie->jumps * 16 > tie->sides;
+	return tie->sides >= JOINED_SIDES && !tie->steps;
 }
 
-static struct tie *tie_of(struct tying *tying, uint32_t a, uint32_t b)
+static struct tie *tie_of(const struct sheets *sheets, uint32_t a, uint32_t b)
 {
-	size_t low = 0, high = tying->ties.count - 1;
+	size_t low = 0, high = sheets->ties.count;
 	while (low < high) {
 		size_t middle = (low + high) / 2;
-		const struct tie *tie = &tying->ties.items[middle];
+		const struct tie *tie = &sheets->ties.items[middle];
 		if (tie->a < a || (tie->a == a && tie->b < b))
 			low = middle + 1;
 		else
 			high = middle;
 	}
-	return &tying->ties.items[low];
+	struct tie *tie = low < sheets->ties.count ? &sheets->ties.items[low] : NULL;
+	return tie && tie->a == a && tie->b == b ? tie : NULL;
+}
+
+bool sheets_tied(const struct sheets *sheets, uint32_t a, uint32_t b)
+{
+	const struct tie *tie = tie_of(sheets, a < b ? a : b, a < b ? b : a);
+	return tie && tie->jumps * 8 <= tie->sides;
 }
 
 static void look_at_side(struct tying *tying, const struct surfaces *surfaces, const float *tolerance, double share,
@@ -45,10 +49,13 @@ static void look_at_side(struct tying *tying, const struct surfaces *surfaces, c
 		return;
 	const struct plane *plane_a = &surfaces->items.items[a - 1].plane, *plane_b = &surfaces->items.items[b - 1].plane;
 	double step = plane_at(plane_a, x, y) - plane_at(plane_b, x, y);
-	double allowed = share * (double)fminf(tolerance[pixel], tolerance[other]);
+	double allowed = (double)fminf(tolerance[pixel], tolerance[other]);
+	if (fabs(step) <= share * allowed)
+		return;
+	struct tie *tie = tie_of(tying->sheets, (a < b ? a : b) - 1, (a < b ? b : a) - 1);
 	double slope = hypot(plane_a->w_x - plane_b->w_x, plane_a->w_y - plane_b->w_y);
-	if (fabs(step) > allowed && fabs(step) > FOLD_PX * slope)
-		tie_of(tying, (a < b ? a : b) - 1, (a < b ? b : a) - 1)->jumps++;
+	tie->steps++;
+	tie->jumps += fabs(step) > allowed && fabs(step) > FOLD_PX * slope;
 }
 
 static void find_ties(struct tying *tying, const struct surfaces *surfaces, const float *tolerance, double share)
@@ -56,8 +63,8 @@ static void find_ties(struct tying *tying, const struct surfaces *surfaces, cons
 	struct borders borders = { 0 };
 	borders_find(&borders, surfaces->label, surfaces->width, surfaces->height);
 	for (size_t i = 0; i < borders.items.count; i++)
-		ARRAY_PUSH(&tying->ties, (struct tie){ borders.items.items[i].a - 1, borders.items.items[i].b - 1,
-									 borders.items.items[i].sides, 0 });
+		ARRAY_PUSH(&tying->sheets->ties, (struct tie){ borders.items.items[i].a - 1, borders.items.items[i].b - 1,
+											 borders.items.items[i].sides, 0, 0 });
 	borders_finish(&borders);
 	for (uint32_t y = 0, i = 0; y < surfaces->height; y++) {
 		for (uint32_t x = 0; x < surfaces->width; x++, i++) {
@@ -73,27 +80,27 @@ static void list_by_surface(struct tying *tying, size_t surfaces)
 {
 	ARRAY_RESERVE(&tying->first, surfaces + 1);
 	memset(tying->first.items, 0, (surfaces + 1) * sizeof(uint32_t));
-	for (size_t i = 0; i < tying->ties.count; i++) {
-		tying->first.items[tying->ties.items[i].a]++;
-		tying->first.items[tying->ties.items[i].b]++;
+	for (size_t i = 0; i < tying->sheets->ties.count; i++) {
+		tying->first.items[tying->sheets->ties.items[i].a]++;
+		tying->first.items[tying->sheets->ties.items[i].b]++;
 	}
 	for (size_t i = 1; i <= surfaces; i++)
 		tying->first.items[i] += tying->first.items[i - 1];
-	ARRAY_RESERVE(&tying->beside, 2 * tying->ties.count + 1);
-	for (uint32_t i = (uint32_t)tying->ties.count; i-- > 0;) {
-		tying->beside.items[--tying->first.items[tying->ties.items[i].a]] = i;
-		tying->beside.items[--tying->first.items[tying->ties.items[i].b]] = i;
+	ARRAY_RESERVE(&tying->beside, 2 * tying->sheets->ties.count + 1);
+	for (uint32_t i = (uint32_t)tying->sheets->ties.count; i-- > 0;) {
+		tying->beside.items[--tying->first.items[tying->sheets->ties.items[i].a]] = i;
+		tying->beside.items[--tying->first.items[tying->sheets->ties.items[i].b]] = i;
 	}
 }
 
-/* Is there a jump between any surface of one sheet and any of the other? */
+/* Is there a surface of one sheet that cannot be joined to one beside it of the other? */
 static bool jump_between(const struct tying *tying, uint32_t sheet, uint32_t other)
 {
 	for (uint32_t surface = sheet; surface != UINT32_MAX; surface = tying->next.items[surface]) {
 		for (uint32_t k = tying->first.items[surface]; k < tying->first.items[surface + 1]; k++) {
-			const struct tie *tie = &tying->ties.items[tying->beside.items[k]];
+			const struct tie *tie = &tying->sheets->ties.items[tying->beside.items[k]];
 			uint32_t neighbour = tie->a == surface ? tie->b : tie->a;
-			if (tying->sheet.items[neighbour] == other && is_jump(tie))
+			if (tying->sheet.items[neighbour] == other && !can_join(tie))
 				return true;
 		}
 	}
@@ -158,7 +165,8 @@ static void write_out(struct sheets *sheets, const struct tying *tying)
 
 void sheets_find(struct sheets *sheets, const struct surfaces *surfaces, const float *tolerance, double share)
 {
-	struct tying tying = { 0 };
+	struct tying tying = { .sheets = sheets };
+	sheets->ties.count = 0;
 	for (uint32_t i = 0; i < surfaces->items.count; i++) {
 		ARRAY_PUSH(&tying.sheet, i);
 		ARRAY_PUSH(&tying.last, i);
@@ -168,9 +176,9 @@ void sheets_find(struct sheets *sheets, const struct surfaces *surfaces, const f
 	find_ties(&tying, surfaces, tolerance, share);
 	list_by_surface(&tying, surfaces->items.count);
 	ARRAY(struct tie) order = { 0 };
-	for (size_t i = 0; i < tying.ties.count; i++)
-		if (!is_jump(&tying.ties.items[i]))
-			ARRAY_PUSH(&order, tying.ties.items[i]);
+	for (size_t i = 0; i < sheets->ties.count; i++)
+		if (can_join(&sheets->ties.items[i]))
+			ARRAY_PUSH(&order, sheets->ties.items[i]);
 	ARRAY_SORT(&order, longest_first);
 	for (size_t i = 0; i < order.count; i++) {
 		uint32_t a = tying.sheet.items[order.items[i].a], b = tying.sheet.items[order.items[i].b];
@@ -179,7 +187,6 @@ void sheets_find(struct sheets *sheets, const struct surfaces *surfaces, const f
 	}
 	write_out(sheets, &tying);
 	ARRAY_FINISH(&order);
-	ARRAY_FINISH(&tying.ties);
 	ARRAY_FINISH(&tying.first);
 	ARRAY_FINISH(&tying.beside);
 	ARRAY_FINISH(&tying.next);
@@ -190,6 +197,7 @@ void sheets_find(struct sheets *sheets, const struct surfaces *surfaces, const f
 
 void sheets_finish(struct sheets *sheets)
 {
+	ARRAY_FINISH(&sheets->ties);
 	ARRAY_FINISH(&sheets->sheet_of);
 	ARRAY_FINISH(&sheets->first);
 	ARRAY_FINISH(&sheets->members);

@@ -11,10 +11,11 @@
 
 #include "tools/impostor/surface_seeds.h"
 
-#define TINY_PX 16  /* regions up to this may join across kinds and normals: light is theirs by a few pixels only */
-#define SMALL_PX 48 /* up to this across normals */
-#define NORMALS_DOT 0.96f /* else, as near as this */
-#define STALE_SLACK 1.1   /* a border that got this much worse since it was queued goes back in the queue */
+#define TINY_PX 24
+#define SMALL_PX 64
+#define NORMALS_DOT 0.9f
+#define PIECE_TRIES 32  /* neighbours of a piece that are looked at */
+#define STALE_SLACK 1.1 /* a border that got this much worse since it was queued goes back in the queue */
 
 struct candidate {
 	float error;
@@ -141,8 +142,6 @@ static void try_border(struct merger *merger, uint32_t a, uint32_t b)
 
 static void join_what_fits(struct merger *merger)
 {
-	for (size_t i = 0; i < merger->borders.items.count; i++)
-		try_border(merger, merger->borders.items.items[i].a - 1, merger->borders.items.items[i].b - 1);
 	while (merger->heap.count) {
 		struct candidate top = pop(merger);
 		uint32_t a = region_of(merger, top.a), b = region_of(merger, top.b);
@@ -157,6 +156,67 @@ static void join_what_fits(struct merger *merger)
 		else
 			join(merger, a, b, &plane);
 	}
+}
+
+static void try_borders(struct merger *merger)
+{
+	for (size_t i = 0; i < merger->borders.items.count; i++)
+		try_border(merger, merger->borders.items.items[i].a - 1, merger->borders.items.items[i].b - 1);
+}
+
+/* A region that may go on beyond what is in front of it. */
+struct piece {
+	uint64_t surface; /* only pieces of the same are looked at */
+	float min_x, min_y, max_x, max_y;
+	uint32_t region;
+};
+
+static int by_surface(const void *left, const void *right)
+{
+	const struct piece *a = left, *b = right;
+	if (a->surface != b->surface)
+		return a->surface < b->surface ? -1 : 1;
+	if (a->min_x != b->min_x)
+		return a->min_x < b->min_x ? -1 : 1;
+	return (a->region > b->region) - (a->region < b->region);
+}
+
+static struct piece piece_of(const struct merger *merger, uint32_t region)
+{
+	const struct fit_sample *extreme = merger->seeds.fits.items[region].samples;
+	const struct capture_pixel *kind = &merger->seeds.kinds.items[region];
+	/* Ground is cut into objects by other rules than houses. */
+	bool ground = light_class(kind->kind) == PKG_MATERIAL_GROUND;
+	return (struct piece){ .surface = ground ? 0 : kind->object,
+		.max_x = extreme[0].x,
+		.max_y = extreme[2].y,
+		.min_x = extreme[4].x,
+		.min_y = extreme[6].y,
+		.region = region };
+}
+
+/* Pieces of one object with something thin in front. */
+static void try_pieces(struct merger *merger, float gap_px)
+{
+	ARRAY(struct piece) pieces = { 0 };
+	for (uint32_t i = 0; i < merger->parent.count; i++)
+		ARRAY_PUSH(&pieces, piece_of(merger, i));
+	ARRAY_SORT(&pieces, by_surface);
+	for (size_t i = 0; i < pieces.count; i++) {
+		const struct piece *a = &pieces.items[i];
+		int tries = 0;
+		for (size_t k = i + 1; k < pieces.count && tries < PIECE_TRIES; k++) {
+			const struct piece *b = &pieces.items[k];
+			if (b->surface != a->surface || b->min_x > a->max_x + gap_px)
+				break;
+			if (b->min_y > a->max_y + gap_px || a->min_y > b->max_y + gap_px)
+				continue;
+			try_border(
+				merger, a->region < b->region ? a->region : b->region, a->region < b->region ? b->region : a->region);
+			tries++;
+		}
+	}
+	ARRAY_FINISH(&pieces);
 }
 
 /* Replaces seeds by their regions, numbered in the order of their roots. */
@@ -300,6 +360,10 @@ void surfaces_find(struct surfaces *surfaces, const struct surfaces_input *input
 	}
 	relabel(&merger, surfaces->label, count);
 	borders_find(&merger.borders, surfaces->label, view->width, view->height);
+	try_borders(&merger);
+	join_what_fits(&merger);
+	relabel(&merger, surfaces->label, count);
+	try_pieces(&merger, input->gap_px);
 	join_what_fits(&merger);
 	relabel(&merger, surfaces->label, count);
 	borders_find(&merger.borders, surfaces->label, view->width, view->height);

@@ -33,6 +33,7 @@ struct surfaces_input {
 	const struct capture_image *image;
 	const uint8_t *owned;   /* not 0: to be shown; only pixels that have an object */
 	const float *tolerance; /* of disparity, at owned pixels */
+	float gap_px;           /* pieces of an object may join over gaps as wide as this */
 	uint32_t swallow_px;    /* regions of so many pixels or fewer may be swallowed */
 	double swallow_share;   /* of all owned pixels, which may be swallowed against their tolerance */
 };
