@@ -62,16 +62,18 @@ struct impostor_mesh {
 	ARRAY(struct mesh_vertex) vertices;
 	ARRAY(uint32_t) indices;
 	ARRAY(struct mesh_patch) patches;
-	ARRAY(uint8_t) texels; /* enum mesh_texel */
-	double error_px;       /* largest displacement over the view cell, contours included */
-	double over_share;     /* of wanted pixels, displaced by more than tau somewhere in the view cell */
+	ARRAY(uint8_t) texels;      /* enum mesh_texel */
+	double error_px;            /* largest displacement over the view cell of a pixel that is shown */
+	double over_share;          /* of the pixels to be shown: missing, or displaced by more than tau somewhere in it */
+	uint64_t shown_px, over_px; /* what over_share is made of */
 };
 void impostor_mesh_finish(struct impostor_mesh *mesh);
 
 /*
  * tools/impostor/mesh.c: adds the patches of one capture to `mesh`. `owner` has one entry a pixel of the capture: not 0
- * where this capture has to show the pixel, 0 where it is empty or an earlier capture shows it. error_px and over_share
- * are raised to what this capture adds. options->triangles_max bounds the mesh as a whole, earlier captures included.
+ * where this capture has to show the pixel, 0 where it is empty or an earlier capture shows it. error_px is
+ * raised to what this capture adds, over_share is of all so far. options->triangles_max bounds the mesh as a whole,
+ * earlier captures included.
  */
 void impostor_mesh_add(struct impostor_mesh *mesh, const struct view_cell *cell, const struct impostor_capture *capture,
 	const uint8_t *owner, uint8_t view, const struct impostor_options *options);
