@@ -102,7 +102,7 @@ static void a_short_street_is_one_stretch(void **state)
 	struct cut cut = cut_and_check(street, &(struct stretch_options){ 0 });
 	assert_int_equal(cut.stretches.count, 1);
 	const struct pkg_stretch *s = &cut.stretches.items[0];
-	assert_int_equal(s->near_mm, 150000);
+	assert_int_equal(s->near_mm, 300000);
 	assert_int_equal(s->half_width_mm, 4000);
 	assert_int_equal(s->overrun_mm, 3500);
 	assert_int_equal(s->eye_min_mm, 1200);
@@ -141,7 +141,7 @@ static void lengths_follow_the_magnification_rule(void **state)
 		double near_m, length_m, longest_m;
 		uint32_t near_mm;
 	} cases[] = {
-		{ 0, 0, 60, 150000 },
+		{ 0, 0, 60, 300000 },
 		{ 100, 0, 50, 125000 },
 		{ 250, 0, 60, 250000 },
 		{ 250, 100, 100, 250000 },

@@ -70,7 +70,7 @@ static const struct argp_option option_table[] = {
 	{ NULL, 0, NULL, 0, "The far field:", 1 },
 	{ "far", OPT_FAR, "none|pvs|impostor|all", 0, "what stands for the distance; default none", 1 },
 	{ "tau", OPT_TAU, "PX", 0, "accuracy: the largest displacement, 1/16 to 64; default 1", 1 },
-	{ "near", OPT_NEAR, "M", 0, "what is nearer to the street is drawn as it is; 40 to 2000, default 150", 1 },
+	{ "near", OPT_NEAR, "M", 0, "what is nearer to the street is drawn as it is; 40 to 2000, default 300", 1 },
 	{ "eye", OPT_EYE, "MIN,MAX", 0, "heights of the eye above the street; default 1.2,4", 1 },
 	{ "budget", OPT_BUDGET, "MIB", 0, "what may be resident at once; accuracy gives way to it; default no limit", 1 },
 	{ "cells", OPT_CELLS, "all|A-B|LOG", 0, "stretches A to B, or those a recorded drive may need; default all", 1 },

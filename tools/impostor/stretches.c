@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-#define NEAR_M 150.0
+#define NEAR_M 300.0
 #define LENGTH_MAX_M 60.0
 #define NEAR_OF_LENGTH 2.5
 #define MAGNIFICATION 2.0

@@ -10,7 +10,7 @@
 #include "tools/city/pool.h"
 
 struct stretch_options {
-	double near_m;               /* what is nearer is local; 0: 150. A stretch has at least 2.5 times its length */
+	double near_m;               /* what is nearer is local; 0: 300. A stretch has at least 2.5 times its length */
 	double length_max_m;         /* 0: 60; never more than near_m / 2 */
 	double eye_min_m, eye_max_m; /* above the carriageway; both 0: 1.2 and 4 */
 };
