@@ -36,7 +36,7 @@
 #define RELAX_TRIES 3
 #define CAPTURES_MAX 24
 #define EYES_MAX 8
-#define LEFT_MAX 16 /* points of a look, four of its pixels each, that may stay uncovered: 0.03 % of the screen */
+#define LEFT_MAX 32 /* points of an eye, 16 pixels of the screen each, that may stay uncovered all around */
 #define FIRST_MARGIN_PX (2.0 * WANTED_MARGIN_PX)
 #define MARGIN_PX 16.0 /* around what is left, for surfaces to go on under what hides them */
 #define WANTED_RADIUS_PX 7
@@ -271,6 +271,7 @@ static int capture_eye(struct cell_baker *baker, const struct view_cell *cell, s
 	int64_t since = cpu_ns();
 	for (size_t i = before; i < baker->capture_count; i++)
 		cover_strike(&baker->points, &baker->captures[i].image, baker->captures[i].wanted);
+	cover_strike_eye(&baker->points, &baker->looks, &eye);
 	spend(&baker->times.wanted, &since);
 	return 0;
 }
@@ -391,7 +392,7 @@ static int bake_cell(struct cell_baker *baker, const struct view_cell *view, con
 		keep_geometry(cell, PKG_REASON_FEWER_TRIANGLES);
 	} else if (ahead.triangles) {
 		in_front(baker->pkg, view, far_set, &ahead);
-		cover_points(&baker->looks, baker->pkg, &ahead, &baker->points);
+		cover_points(&baker->looks, baker->pkg, &ahead, cell_axis(view), &baker->points);
 		if (baker->points.count)
 			err = make_impostor(baker, view, &ahead, cell, bytes);
 	}

@@ -7,27 +7,41 @@
 #define SLACK 0.01 /* of the disparity, beyond what neighbouring pixels span */
 #define COMPANY 4  /* points left among a point and its eight neighbours that make it worth showing */
 
-void cover_points(struct cell_looks *looks, const struct pkg *pkg, const struct triangle_set *set, cover_array *points)
+static bool in_front(const struct capture_view *view, struct dvec3 point, struct dvec3 axis)
+{
+	return (point.x - view->eye.x) * axis.x + (point.y - view->eye.y) * axis.y > 0.0;
+}
+
+static void add_points(
+	const struct cell_looks *looks, size_t look, const struct triangle_set *set, struct dvec3 axis, cover_array *points)
+{
+	const struct capture_image *image = &looks->images.items[look];
+	for (uint32_t y = 0; y < image->view.height; y += SAMPLE_PX) {
+		for (uint32_t x = 0; x < image->view.width; x += SAMPLE_PX) {
+			const struct capture_pixel *pixel = &image->pixels[(size_t)y * image->view.width + x];
+			if (!cell_looks_item(looks, set, pixel))
+				continue;
+			struct dvec3 at = capture_point(&image->view, x + 0.5, y + 0.5, pixel->disparity);
+			if (!in_front(&image->view, at, axis))
+				continue;
+			ARRAY_PUSH(points, (struct cover_point){
+								   .at = at,
+								   .object = pixel->object,
+								   .look = (uint16_t)look,
+								   .x = (uint16_t)(x / SAMPLE_PX),
+								   .y = (uint16_t)(y / SAMPLE_PX),
+							   });
+		}
+	}
+}
+
+void cover_points(struct cell_looks *looks, const struct pkg *pkg, const struct triangle_set *set, struct dvec3 axis,
+	cover_array *points)
 {
 	points->count = 0;
 	cell_looks_mark(looks, pkg, set, true);
-	for (size_t i = 0; i < looks->count; i++) {
-		const struct capture_image *image = &looks->images.items[i];
-		for (uint32_t y = 0; y < image->view.height; y += SAMPLE_PX) {
-			for (uint32_t x = 0; x < image->view.width; x += SAMPLE_PX) {
-				const struct capture_pixel *pixel = &image->pixels[(size_t)y * image->view.width + x];
-				if (!cell_looks_item(looks, set, pixel))
-					continue;
-				ARRAY_PUSH(points, (struct cover_point){
-									   .at = capture_point(&image->view, x + 0.5, y + 0.5, pixel->disparity),
-									   .object = pixel->object,
-									   .look = (uint16_t)i,
-									   .x = (uint16_t)(x / SAMPLE_PX),
-									   .y = (uint16_t)(y / SAMPLE_PX),
-								   });
-			}
-		}
-	}
+	for (size_t i = 0; i < looks->count; i++)
+		add_points(looks, i, set, axis, points);
 	cell_looks_mark(looks, pkg, set, false);
 }
 
@@ -118,6 +132,13 @@ bool cover_next(cover_array *points, const struct cell_looks *looks, size_t at_m
 static bool is_left(const struct cover_point *point, const struct cell_looks *looks, const struct dvec3 *eye)
 {
 	return !point->shown && !point->alone && (!eye || same_eye(&looks->images.items[point->look].view.eye, eye));
+}
+
+void cover_strike_eye(cover_array *points, const struct cell_looks *looks, const struct dvec3 *eye)
+{
+	for (size_t i = 0; i < points->count; i++)
+		if (same_eye(&looks->images.items[points->items[i].look].view.eye, eye))
+			points->items[i].shown = true;
 }
 
 bool cover_crop(const cover_array *points, const struct cell_looks *looks, const struct dvec3 *eye, double margin_px,

@@ -17,11 +17,14 @@ struct cover_point {
 };
 typedef ARRAY(struct cover_point) cover_array;
 
-/* The points that the looks see of triangles of `set`, one of four pixels. */
-void cover_points(struct cell_looks *looks, const struct pkg *pkg, const struct triangle_set *set, cover_array *points);
+/* The points that the looks see of triangles of `set`, in front of their own eye along `axis`, one of four pixels. */
+void cover_points(struct cell_looks *looks, const struct pkg *pkg, const struct triangle_set *set, struct dvec3 axis,
+	cover_array *points);
 
 /* Strikes off what a capture shows where it is wanted. */
 void cover_strike(cover_array *points, const struct capture_image *image, const uint8_t *wanted);
+/* Strikes off all points of looks from an eye: they have had their chance. */
+void cover_strike_eye(cover_array *points, const struct cell_looks *looks, const struct dvec3 *eye);
 
 /* The eye of the looks that has most points left, of those that are not alone. False: none has more than `at_most`. */
 bool cover_next(cover_array *points, const struct cell_looks *looks, size_t at_most, struct dvec3 *eye);
