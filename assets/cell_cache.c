@@ -16,6 +16,7 @@
 #define SLOTS_DEFAULT 16
 #define STAGING_DEFAULT 3
 #define LATENCY_DEFAULT 2
+#define URGENT_RANKS 2
 #define NO_RANK UINT32_MAX
 #define NO_STAGING UINT32_MAX
 
@@ -59,7 +60,7 @@ static struct cell_cache_config with_defaults(const struct pkg *pkg, const struc
 	full.latency_updates = full.latency_updates ? full.latency_updates : LATENCY_DEFAULT;
 	for (uint32_t i = 0; !config->staging_bytes && i < pkg->stretch_count; i++) {
 		uint64_t bytes = cell_loader_staging_bytes(config, pkg, i);
-		if (cell_loader_copies_pvs(config) && bytes > CELL_STAGING_MAX)
+		if (cell_loader_copies_pvs(config) && cell_loader_wants_pvs(config, pkg, i) && bytes > CELL_STAGING_MAX)
 			continue;
 		full.staging_bytes = bytes > full.staging_bytes ? bytes : full.staging_bytes;
 	}
@@ -327,15 +328,22 @@ static bool goes_before(const struct entry *a, const struct entry *b)
 	return a->used_at < b->used_at;
 }
 
-/* A slot for a wish of this rank: an empty one, or that of what is wanted least and less than it. */
+/* Wishes that change places from frame to frame must not throw each other out; what is under the eye, or next, may. */
+static uint32_t safe_rank(const struct cell_cache *cache, uint32_t rank)
+{
+	return rank < URGENT_RANKS ? rank : rank + cache->config.slot_count / 4;
+}
+
+/* A slot for a wish of this rank: an empty one, or that of what is wanted least and clearly less than it. */
 static struct entry *make_room(struct cell_cache *cache, uint32_t rank)
 {
+	const uint32_t safe = safe_rank(cache, rank);
 	struct entry *victim = NULL;
 	for (uint32_t i = 0; i < cache->config.slot_count; i++) {
 		struct entry *entry = &cache->entries[i];
 		if (entry->shown.stretch == PKG_NONE)
 			return entry;
-		if (entry->pinned || entry->shown.state == CELL_LOADING || entry->rank <= rank)
+		if (entry->pinned || entry->shown.state == CELL_LOADING || entry->rank <= safe)
 			continue;
 		if (!victim || goes_before(entry, victim))
 			victim = entry;

@@ -89,8 +89,9 @@ enum cell_pvs {
 struct cell_cache_config {
 	uint32_t slot_count;    /* default 16; more than the wanted and the pinned together, or some wait */
 	uint32_t staging_count; /* default 3 */
-	uint64_t staging_bytes; /* of one; default: what the package's largest stretch needs, but with CELL_PVS_WHERE_NEEDED
-							   no more than CELL_STAGING_MAX. Stretches that need more are TOO_LARGE */
+	uint64_t staging_bytes; /* of one; default: what the package's largest stretch needs, but a visible set with
+							   vertices of its own does not make it more than CELL_STAGING_MAX. Stretches
+							   that need more are TOO_LARGE */
 	bool without_impostors; /* load local sets and, by `pvs`, visible sets only */
 	enum cell_pvs pvs;
 	uint8_t (*look_of)(uint32_t kinds); /* look of triangles whose materials are of these kinds, bits 1 << enum

@@ -329,6 +329,26 @@ static void an_urgent_wish_takes_the_memory_of_a_lesser_one(void **state)
 	cell_cache_finish(cache);
 }
 
+static void neighbours_in_the_list_do_not_throw_each_other_out(void **state)
+{
+	(void)state;
+	struct cell_cache *cache = make(&(struct cell_cache_config){ .slot_count = 4, .deterministic = true });
+	uint32_t list[2][6] = { { 10, 11, 12, 13, 14, 15 }, { 10, 11, 12, 14, 13, 15 } };
+	for (int i = 0; i < 100; i++) {
+		cell_cache_update(cache, list[i % 2], 6, NULL, 0);
+		upload_one(cache);
+	}
+	struct cell_cache_stats stats;
+	cell_cache_stats(cache, &stats);
+	assert_int_equal(stats.loads, 4);
+	const uint32_t jump[] = { 15, 10, 11, 12, 13, 14 };
+	for (int i = 0; i < 10; i++)
+		cell_cache_update(cache, jump, 6, NULL, 0);
+	assert_int_equal(cell_cache_find(cache, 15, NULL), CELL_READY);
+	assert_int_equal(cell_cache_find(cache, 13, NULL), CELL_EMPTY);
+	cell_cache_finish(cache);
+}
+
 static void nonsense_is_ignored(void **state)
 {
 	(void)state;
@@ -405,6 +425,7 @@ int main(void)
 		cmocka_unit_test(what_comes_too_late_is_counted),
 		cmocka_unit_test(pinned_slots_stay_and_the_longest_unwanted_goes),
 		cmocka_unit_test(an_urgent_wish_takes_the_memory_of_a_lesser_one),
+		cmocka_unit_test(neighbours_in_the_list_do_not_throw_each_other_out),
 		cmocka_unit_test(nonsense_is_ignored),
 		cmocka_unit_test(damaged_stretches_are_left_out_once),
 		cmocka_unit_test(what_does_not_fit_is_left_out),
