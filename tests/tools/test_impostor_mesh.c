@@ -16,6 +16,7 @@
 #include "tests/tools/mesh_picture.h"
 #include "tests/tools/ray_view.h"
 #include "tools/impostor/impostor.h"
+#include "tools/impostor/triangle_rows.h"
 
 static struct ray_scene scene;
 
@@ -59,6 +60,45 @@ static struct made make(
 	return made;
 }
 
+/* Pixels to be shown that no triangle shows. */
+static size_t bare_pixels(const struct made *made)
+{
+	const struct capture_image *image = &made->image;
+	size_t count = (size_t)image->view.width * image->view.height, bare = 0;
+	uint8_t *shown = calloc(count, 1);
+	for (size_t i = 0; i < made->mesh.patches.count; i++) {
+		const struct mesh_patch *patch = &made->mesh.patches.items[i];
+		for (uint32_t k = 0; k < patch->index_count; k += 3) {
+			double x[3], y[3];
+			for (uint32_t c = 0; c < 3; c++) {
+				uint32_t index = made->mesh.indices.items[patch->first_index + k + c];
+				assert_in_range(index, 0, patch->vertex_count - 1);
+				x[c] = made->mesh.vertices.items[patch->first_vertex + index].x;
+				y[c] = made->mesh.vertices.items[patch->first_vertex + index].y;
+				assert_true(made->mesh.vertices.items[patch->first_vertex + index].disparity > 0);
+			}
+			struct pixel_run rows = triangle_rows(y, (int32_t)image->view.height);
+			for (int32_t row = rows.from; row < rows.to; row++) {
+				struct pixel_run run = triangle_run(x, y, row, (int32_t)image->view.width);
+				for (int32_t column = run.from; column < run.to; column++) {
+					assert_in_range(column, patch->min_x, patch->max_x);
+					assert_in_range(row, patch->min_y, patch->max_y);
+					size_t texel = patch->first_texel +
+								   ((size_t)row - patch->min_y) * (patch->max_x - patch->min_x + 1u) +
+								   ((size_t)column - patch->min_x);
+					if (made->mesh.texels.items[texel] == MESH_SHOW)
+						shown[(size_t)row * image->view.width + (size_t)column] = 1;
+				}
+			}
+		}
+		assert_true(patch->max_x - patch->min_x < 256 && patch->max_y - patch->min_y < 256);
+	}
+	for (size_t i = 0; i < count; i++)
+		bare += image->pixels[i].object && !shown[i];
+	free(shown);
+	return bare;
+}
+
 static void unmake(struct made *made)
 {
 	ray_capture_finish(&made->image);
@@ -97,8 +137,156 @@ static void a_canyon_takes_some_hundred_triangles(void **state)
 		struct made made = make(name, ray_capture(&scene, &view), &cell, &options);
 		assert_in_range(made.triangles, cases[i].least, cases[i].most);
 		assert_true(made.mesh.over_share < 0.01);
+		assert_int_equal(bare_pixels(&made), 0);
 		unmake(&made);
 	}
+}
+
+/* An image of made-up pixels: a wall that faces the eye. */
+static struct capture_image blank(uint32_t width, uint32_t height)
+{
+	struct capture_image image = { .view = ray_view(0, 0, 2.5, 869, width, height) };
+	image.rgba = calloc((size_t)width * height, 4);
+	image.pixels = calloc((size_t)width * height, sizeof(*image.pixels));
+	return image;
+}
+
+static const struct capture_pixel wall = {
+	.object = 1, .disparity = 1 / 200.0f, .normal_oct = { 0, -127 }, .kind = PKG_MATERIAL_WALL, .triangle = 3
+};
+
+static void extremes(void **state)
+{
+	(void)state;
+	struct view_cell cell = ray_cell(50);
+	struct impostor_options options = options_of(1);
+
+	struct made made = make("empty", blank(64, 64), &cell, &options);
+	assert_int_equal(made.triangles, 0);
+	unmake(&made);
+
+	struct capture_image image = blank(64, 64);
+	image.pixels[64 * 20 + 30] = wall;
+	made = make("one_pixel", image, &cell, &options);
+	assert_in_range(made.triangles, 1, 2);
+	assert_int_equal(bare_pixels(&made), 0);
+	unmake(&made);
+
+	image = blank(300, 200);
+	for (size_t i = 0; i < 300 * 200; i++)
+		image.pixels[i] = wall;
+	made = make("full", image, &cell, &options);
+	assert_in_range(made.triangles, 4, 4); /* two cells */
+	assert_int_equal(bare_pixels(&made), 0);
+	assert_true(made.mesh.error_px < 1e-3);
+	unmake(&made);
+
+	image = blank(64, 64); /* every other pixel far behind */
+	for (size_t i = 0; i < 64 * 64; i++) {
+		image.pixels[i] = wall;
+		if ((i % 64 + i / 64) % 2)
+			image.pixels[i].disparity = 1 / 900.0f;
+	}
+	made = make("checkers", image, &cell, &options);
+	assert_int_equal(bare_pixels(&made), 0);
+	unmake(&made);
+}
+
+static void noise_ends(void **state)
+{
+	(void)state;
+	struct view_cell cell = ray_cell(50);
+	struct impostor_options options = options_of(1);
+	options.triangles_max = 200;
+	struct rng rng = rng_seed(3);
+	struct capture_image image = blank(256, 128);
+	for (size_t i = 0; i < 256 * 128; i++) {
+		image.pixels[i] = wall;
+		image.pixels[i].object = 1 + rng_u32(&rng) % 3;
+		image.pixels[i].disparity = (float)rng_range(&rng, 1e-4, 1 / 120.0);
+		image.pixels[i].normal_oct[0] = (int8_t)(rng_u32(&rng) % 255 - 127);
+		image.pixels[i].triangle = rng_u32(&rng);
+	}
+	struct made made = make("noise", image, &cell, &options);
+	assert_in_range(made.triangles, 1, 200);
+	assert_int_equal(bare_pixels(&made), 0);
+	assert_true(made.mesh.over_share > 0.5);
+	unmake(&made);
+}
+
+static void tau_decides_how_many_triangles(void **state)
+{
+	(void)state;
+	static const double taus[] = { 1 / 16.0, 0.25, 1, 4, 16, 64 };
+	uint32_t last = UINT32_MAX;
+	ray_canyon(&scene, 150);
+	struct view_cell cell = ray_cell(40);
+	struct capture_view view = ray_view(0, 0, 2.5, 434, 256, 256);
+	for (size_t i = 0; i < sizeof(taus) / sizeof(taus[0]); i++) {
+		struct impostor_options options = options_of(taus[i]);
+		char name[64];
+		snprintf(name, sizeof(name), "tau_%.3f", taus[i]);
+		struct made made = make(name, ray_capture(&scene, &view), &cell, &options);
+		assert_int_equal(bare_pixels(&made), 0);
+		assert_true(made.mesh.over_share < 0.01);
+		assert_true(made.triangles <= last + last / 10);
+		last = made.triangles;
+		unmake(&made);
+	}
+}
+
+static void a_bound_on_triangles_is_kept(void **state)
+{
+	(void)state;
+	ray_canyon(&scene, 100);
+	struct view_cell cell = ray_cell(50);
+	struct capture_view view = ray_view(0, 0, 2.5, 869, 512, 512);
+	for (uint32_t most = 200; most >= 50; most /= 2) {
+		struct impostor_options options = options_of(1);
+		options.triangles_max = most;
+		char name[64];
+		snprintf(name, sizeof(name), "bound_%u", most);
+		struct made made = make(name, ray_capture(&scene, &view), &cell, &options);
+		assert_in_range(made.triangles, 1, most);
+		assert_int_equal(bare_pixels(&made), 0);
+		unmake(&made);
+	}
+}
+
+static void sizes_from_64_to_2048(void **state)
+{
+	(void)state;
+	ray_canyon(&scene, 200);
+	scene.ball_count = 0;
+	struct view_cell cell = ray_cell(30);
+	struct impostor_options options = options_of(1);
+	for (uint32_t size = 64; size <= 2048; size *= size < 256 ? 2 : 8) {
+		struct capture_view view = ray_view(0, 0, 2.5, size, size, size / 4);
+		char name[64];
+		snprintf(name, sizeof(name), "size_%u", size);
+		struct made made = make(name, ray_capture(&scene, &view), &cell, &options);
+		assert_int_equal(bare_pixels(&made), 0);
+		unmake(&made);
+	}
+}
+
+static void the_same_image_gives_the_same_mesh(void **state)
+{
+	(void)state;
+	ray_canyon(&scene, 150);
+	struct view_cell cell = ray_cell(40);
+	struct capture_view view = ray_view(1, 3, 2.5, 434, 256, 256);
+	struct impostor_options options = options_of(1);
+	struct made a = make("once", ray_capture(&scene, &view), &cell, &options);
+	struct made b = make("again", ray_capture(&scene, &view), &cell, &options);
+	assert_int_equal(a.mesh.vertices.count, b.mesh.vertices.count);
+	assert_int_equal(a.mesh.indices.count, b.mesh.indices.count);
+	assert_memory_equal(
+		a.mesh.vertices.items, b.mesh.vertices.items, a.mesh.vertices.count * sizeof(struct mesh_vertex));
+	assert_memory_equal(a.mesh.indices.items, b.mesh.indices.items, a.mesh.indices.count * sizeof(uint32_t));
+	assert_memory_equal(a.mesh.texels.items, b.mesh.texels.items, a.mesh.texels.count);
+	unmake(&a);
+	unmake(&b);
 }
 
 int main(void)
@@ -106,6 +294,12 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_facade_is_two_triangles),
 		cmocka_unit_test(a_canyon_takes_some_hundred_triangles),
+		cmocka_unit_test(extremes),
+		cmocka_unit_test(noise_ends),
+		cmocka_unit_test(tau_decides_how_many_triangles),
+		cmocka_unit_test(a_bound_on_triangles_is_kept),
+		cmocka_unit_test(sizes_from_64_to_2048),
+		cmocka_unit_test(the_same_image_gives_the_same_mesh),
 	};
 	return cmocka_run_group_tests_name("tools/impostor_mesh", tests, NULL, NULL);
 }

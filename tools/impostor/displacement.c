@@ -97,27 +97,24 @@ static double knot(const struct displacement *displacement, int index)
 	return displacement->disparity_max * index / (DISPLACEMENT_KNOTS - 1);
 }
 
-static void make_block(const struct displacement *displacement, uint32_t column, uint32_t row, float *gains)
+/* What the corners mean for all rays of a block. */
+static void reach_block(const struct displacement *displacement, uint32_t column, uint32_t row, struct reach reach[8])
 {
 	double half = 0.5 * displacement->block_px;
 	struct dvec3 ray = direction(displacement, column * (2 * half) + half, row * (2 * half) + half);
 	double spread = (half + 0.5) * 1.4143 / displacement->capture_focal_px;
 	/* Narrow images of wide angles: a block is never more than a third of the ray. */
 	spread = fmin(spread, sqrt(dot(ray, ray)) / 3);
-	struct reach reach[8];
 	for (int i = 0; i < 8; i++)
 		reach[i] = reach_of(displacement->corners[i], ray, spread);
-	for (int i = 0; i < DISPLACEMENT_KNOTS; i++)
-		gains[i] = (float)(largest_gain(reach, knot(displacement, i)) * (1 + 1e-6));
 }
 
-static double gain_at(const struct displacement *displacement, double x, double y, double w)
+static void make_block(const struct displacement *displacement, uint32_t column, uint32_t row, float *gains)
 {
-	struct dvec3 ray = direction(displacement, x, y);
 	struct reach reach[8];
-	for (int i = 0; i < 8; i++)
-		reach[i] = reach_of(displacement->corners[i], ray, 0);
-	return largest_gain(reach, w);
+	reach_block(displacement, column, row, reach);
+	for (int i = 0; i < DISPLACEMENT_KNOTS; i++)
+		gains[i] = (float)(largest_gain(reach, knot(displacement, i)) * (1 + 1e-6));
 }
 
 static uint32_t block_index(double at, uint32_t block_px, uint32_t count)
@@ -129,10 +126,13 @@ static uint32_t block_index(double at, uint32_t block_px, uint32_t count)
 /* gain is convex in the disparity: chords between knots are above it. */
 static double gain(struct displacement *displacement, double x, double y, double w)
 {
-	if (w < 0 || w >= displacement->disparity_max)
-		return gain_at(displacement, x, y, w);
 	uint32_t column = block_index(x, displacement->block_px, displacement->blocks_x);
 	uint32_t row = block_index(y, displacement->block_px, displacement->blocks_y);
+	if (w < 0 || w >= displacement->disparity_max) {
+		struct reach reach[8];
+		reach_block(displacement, column, row, reach);
+		return largest_gain(reach, w) * (1 + 1e-6);
+	}
 	float *gains = displacement->gains + ((size_t)row * displacement->blocks_x + column) * DISPLACEMENT_KNOTS;
 	if (gains[0] < 0)
 		make_block(displacement, column, row, gains);

@@ -240,26 +240,12 @@ static void move_to_fold(const struct sheet_source *source, const struct meeting
 	*y += dy;
 }
 
-/* A plane ends before its horizon: moves a point of the contour back to where the disparity is still positive. */
-static void move_from_horizon(const struct surface *surface, double *x, double *y)
-{
-	const struct plane *plane = &surface->plane;
-	double least = 2 * LEAST_SHARE * (double)surface->least_disparity, w = plane_at(plane, *x, *y);
-	double slope = plane->w_x * plane->w_x + plane->w_y * plane->w_y;
-	if (w >= least || slope <= 0)
-		return;
-	*x += (least - w) * plane->w_x / slope;
-	*y += (least - w) * plane->w_y / slope;
-}
-
 static struct cdt_point lattice_point(const struct sheet_mesher *mesher, const struct sheet_source *source,
 	struct contour_point point, const struct meeting *meeting)
 {
 	double x = (double)point.x + mesher->x, y = (double)point.y + mesher->y;
 	if (meeting->count > 1)
 		move_to_fold(source, meeting, &x, &y);
-	else if (meeting->outer)
-		move_from_horizon(surface_of(source, meeting->labels[0]), &x, &y);
 	struct cdt_point min = mesher->cdt.points.items[0], max = mesher->cdt.points.items[2];
 	return (struct cdt_point){
 		clamped(x * MESH_LATTICE, min.x, max.x, (int32_t)source->surfaces->width * MESH_LATTICE),
@@ -274,6 +260,33 @@ static void start_triangulation(struct sheet_mesher *mesher)
 		(mesher->y + (int32_t)mesher->height + 1) * MESH_LATTICE };
 	cdt_finish(&mesher->cdt);
 	cdt_init(&mesher->cdt, min, max);
+}
+
+/* How far a point of the window is from where a surface's plane ends: a plane has to end before its horizon, where the
+ * disparity is 0, but not before the surface's last pixel. */
+static double before_end(const struct sheet_mesher *mesher, const struct surface *surface, struct contour_point point)
+{
+	double end = fmin(2 * LEAST_SHARE * (double)surface->least_disparity, 0.5 * (double)surface->least_fitted);
+	return plane_at(&surface->plane, (double)point.x + mesher->x, (double)point.y + mesher->y) - end;
+}
+
+/* Clips the hull where its surface's plane ends, to mesher->inner. The ends of what is no loop stay. */
+static void clip_hull(struct sheet_mesher *mesher, const struct surface *surface, bool loop)
+{
+	const struct contour_point *points = mesher->hull.kept.items;
+	size_t count = mesher->hull.kept.count;
+	mesher->inner.count = 0;
+	for (size_t i = 0; i < count; i++) {
+		struct contour_point last = points[i ? i - 1 : count - 1], here = points[i];
+		double from = before_end(mesher, surface, last), to = before_end(mesher, surface, here);
+		if ((i || loop) && (from < 0) != (to < 0)) {
+			float t = (float)(from / (from - to));
+			ARRAY_PUSH(&mesher->inner,
+				(struct contour_point){ last.x + t * (here.x - last.x), last.y + t * (here.y - last.y) });
+		}
+		if (to >= 0 || (!loop && (i == 0 || i + 1 == count)))
+			ARRAY_PUSH(&mesher->inner, here);
+	}
 }
 
 /* A loop has its first point once and no ends; ends are pixels' corners, where other chains may meet. */
@@ -294,7 +307,7 @@ static void add_polyline(struct sheet_mesher *mesher, const struct sheet_source 
 			cdt_add_segment(&mesher->cdt, last, point);
 		last = point;
 	}
-	if (loop)
+	if (loop && last != CDT_NONE)
 		cdt_add_segment(&mesher->cdt, last, first);
 }
 
@@ -328,8 +341,15 @@ static void add_outer_chain(struct sheet_mesher *mesher, const struct sheet_sour
 	const struct contour_point *points = mesher->contours.points.items + chain->first;
 	bool loop = chain->closed && meeting_at(mesher, points[0]).count == 1;
 	hull_grow(&mesher->hull, points, chain->count, loop, !chain->left, source->options.price_px2, MESH_REACH_PX);
-	if (!loop || !is_hole(chain, points) || !is_idle_hole(mesher, source))
+	if (loop && is_hole(chain, points) && is_idle_hole(mesher, source))
+		return;
+	const struct surface *surface = surface_of(source, chain->left ? chain->left : chain->right);
+	if (surface->least_fitted > 0) {
+		clip_hull(mesher, surface, loop);
+		add_polyline(mesher, source, chain, mesher->inner.items, mesher->inner.count, loop);
+	} else {
 		add_polyline(mesher, source, chain, mesher->hull.kept.items, mesher->hull.kept.count, loop);
+	}
 }
 
 static void add_chains(struct sheet_mesher *mesher, const struct sheet_source *source)

@@ -326,6 +326,7 @@ static void describe(struct surfaces *surfaces, const struct merger *merger, con
 										 .normal_oct = { kind->normal_oct[0], kind->normal_oct[1] },
 										 .kind = kind->kind,
 										 .least_disparity = INFINITY,
+										 .least_fitted = INFINITY,
 										 .min_x = UINT16_MAX,
 										 .min_y = UINT16_MAX });
 	}
@@ -336,6 +337,7 @@ static void describe(struct surfaces *surfaces, const struct merger *merger, con
 			struct surface *surface = &surfaces->items.items[surfaces->label[i] - 1];
 			surface->pixels++;
 			surface->least_disparity = fminf(surface->least_disparity, pixels[i].disparity);
+			surface->least_fitted = fminf(surface->least_fitted, (float)plane_at(&surface->plane, x + 0.5, y + 0.5));
 			surface->min_x = (uint16_t)(x < surface->min_x ? x : surface->min_x);
 			surface->max_x = (uint16_t)(x > surface->max_x ? x : surface->max_x);
 			surface->min_y = (uint16_t)(y < surface->min_y ? y : surface->min_y);

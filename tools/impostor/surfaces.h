@@ -18,6 +18,7 @@ struct surface {
 	struct plane plane;
 	uint32_t pixels;
 	float least_disparity; /* of its pixels */
+	float least_fitted;    /* of the plane at its pixels; not positive: a plane that does not fit */
 	uint32_t object;       /* + 1; these four of the largest part */
 	int8_t normal_oct[2];
 	uint8_t kind;                        /* enum pkg_material_kind */
