@@ -25,7 +25,7 @@ static int open_renderer(struct entrant *entrant, const struct pkg *pkg)
 		.deterministic = true,
 		.get_proc = display_get_proc,
 		.overlay = config->overlay,
-		.truth = true,
+		.truth = config->truth,
 	};
 	return renderer_init(&entrant->renderer, &entrant->arena, &renderer, pkg);
 }
@@ -93,9 +93,4 @@ int entrant_read_truth(struct entrant *entrant)
 void entrant_see(struct entrant *entrant, float *work)
 {
 	popping_lightness(entrant->pixels, entrant->config.width, entrant->config.height, entrant->lightness, work);
-}
-
-void entrant_stats(const struct entrant *entrant, struct renderer_stats *out)
-{
-	renderer_stats(entrant->renderer, out);
 }

@@ -16,6 +16,7 @@ struct entrant_config {
 	uint32_t width, height, samples;
 	uint64_t budget_bytes; /* of the GPU; 0: the renderer's default */
 	bool overlay;          /* draw the route, names and read-outs too */
+	bool truth;            /* entrant_read_truth() will be called: takes memory that a renderer does not need */
 };
 
 struct entrant {
@@ -42,7 +43,5 @@ int entrant_draw(struct entrant *entrant, const struct replay_frame *frame);
 int entrant_read_truth(struct entrant *entrant);
 /* Fills `lightness` from `pixels`; `work` has room for as many. */
 void entrant_see(struct entrant *entrant, float *work);
-
-void entrant_stats(const struct entrant *entrant, struct renderer_stats *out);
 
 #endif

@@ -41,7 +41,7 @@ struct setting {
 	double speed_up_pvs; /* over `pvs`, of the frames where `pvs` draws something far; 0: not measured */
 	struct spread triangles, far_triangles, draws;
 	double start_ms, first_frame_ms;
-	uint64_t resident_bytes; /* the most: GPU and CPU, without what only measuring needs */
+	uint64_t resident_bytes; /* GPU and CPU, without what only measuring needs */
 	double psnr_db, ssim, flip, precision, recall, precision_2, recall_2; /* means */
 	double psnr_db_worst, ssim_worst, flip_worst;
 	struct displacement_count displacement;

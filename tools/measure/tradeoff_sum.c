@@ -2,7 +2,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/gfx.h"
 #include "tools/measure/tradeoff.h"
 
 typedef ARRAY(double) values;
@@ -116,13 +115,7 @@ static double speed_up_pvs(const struct trial_result *trial, const struct trial_
 	return fast > 0.0 ? slow / fast : 0.0;
 }
 
-static uint64_t truth_bytes(const struct trial_config *config)
-{
-	return gfx_target_bytes(
-		&(struct gfx_target_desc){ .width = config->width, .height = config->height, .ids = GFX_IDS_RGBA32UI });
-}
-
-static struct setting sum_up(const struct tradeoff *tradeoff, const struct tradeoff_run *run, uint32_t which)
+static struct setting sum_up(const struct tradeoff_run *run, uint32_t which)
 {
 	const struct trial_result *trial = &run->trial;
 	const struct trial_entrant *entrant = &trial->entrants[which];
@@ -132,8 +125,7 @@ static struct setting sum_up(const struct tradeoff *tradeoff, const struct trade
 		.start_ms = entrant->start_ms,
 		.first_frame_ms = entrant->first_frame_ms };
 	memcpy(out.name, entrant->name, sizeof(out.name));
-	uint64_t bytes = entrant->cpu_bytes + entrant->gpu_bytes, measuring = truth_bytes(tradeoff->config);
-	out.resident_bytes = bytes > measuring ? bytes - measuring : bytes;
+	out.resident_bytes = entrant->cpu_bytes + entrant->gpu_bytes;
 	struct setting full = { 0 };
 	sum_speed(&out, rows);
 	sum_speed(&full, &trial->rows[0]);
@@ -179,7 +171,7 @@ void tradeoff_sum_up(struct tradeoff *tradeoff)
 		const struct tradeoff_run *run = &tradeoff->runs.items[i];
 		for (uint32_t k = 0; k < run->trial.count; k++)
 			if (i == 0 || depends_on_tau(run->trial.entrants[k].name))
-				ARRAY_PUSH(&tradeoff->settings, sum_up(tradeoff, run, k));
+				ARRAY_PUSH(&tradeoff->settings, sum_up(run, k));
 	}
 	find_pareto(tradeoff);
 }

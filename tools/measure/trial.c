@@ -170,36 +170,51 @@ static enum trial_place place_of(const struct trial *trial, uint32_t number)
 
 /* --- entrants --- */
 
-static int open_entrants(struct trial *trial)
+static struct entrant_config config_of(const struct trial *trial, uint32_t which, bool truth)
 {
 	const struct trial_config *c = trial->config;
-	trial->open = true;
-	for (uint32_t i = 0; i < c->count; i++) {
-		struct entrant_config config = { .name = c->names[i],
-			.tau_px = c->tau_px,
-			.width = c->width,
-			.height = c->height,
-			.samples = c->samples,
-			.budget_bytes = c->budget_bytes,
-			.overlay = c->overlay };
-		int status = entrant_open(&trial->entrants[i], &trial->pkg, &config);
-		if (status < 0)
-			return status;
-	}
-	return 0;
+	return (struct entrant_config){ .name = c->names[which],
+		.tau_px = c->tau_px,
+		.width = c->width,
+		.height = c->height,
+		.samples = c->samples,
+		.budget_bytes = c->budget_bytes,
+		.overlay = c->overlay,
+		.truth = truth };
 }
 
-static void note_entrants(struct trial *trial)
+/* What a renderer costs by itself: time to the first picture, memory. Alone, and without what measuring needs. */
+static int note_entrant(struct trial *trial, uint32_t which, uint32_t first)
 {
-	for (uint32_t i = 0; i < trial->config->count; i++) {
-		struct trial_entrant *out = &trial->out->entrants[i];
-		struct renderer_stats stats;
-		entrant_stats(&trial->entrants[i], &stats);
-		out->start_ms = trial->entrants[i].start_ms;
-		out->cpu_bytes = trial->entrants[i].arena.high_water;
-		out->gpu_bytes = stats.gpu_bytes_high_water;
-		snprintf(trial->out->gl_renderer, sizeof(trial->out->gl_renderer), "%s", stats.gl_renderer);
+	struct trial_entrant *out = &trial->out->entrants[which];
+	struct entrant_config config = config_of(trial, which, false);
+	struct entrant entrant;
+	int status = entrant_open(&entrant, &trial->pkg, &config);
+	if (status < 0)
+		return status;
+	status = entrant_draw(&entrant, &trial->drive.items[first]);
+	struct renderer_stats stats;
+	renderer_stats(entrant.renderer, &stats);
+	out->start_ms = entrant.start_ms;
+	out->first_frame_ms = entrant.start_ms + entrant.cpu_ms;
+	out->cpu_bytes = entrant.arena.high_water;
+	out->gpu_bytes = stats.gpu_bytes_high_water;
+	snprintf(trial->out->gl_renderer, sizeof(trial->out->gl_renderer), "%s", stats.gl_renderer);
+	entrant_close(&entrant);
+	return status;
+}
+
+static int open_entrants(struct trial *trial, uint32_t first)
+{
+	int status = 0;
+	for (uint32_t i = 0; i < trial->config->count && !status && !trial->out->entrants[i].gpu_bytes; i++)
+		status = note_entrant(trial, i, first);
+	trial->open = true;
+	for (uint32_t i = 0; i < trial->config->count && !status; i++) {
+		struct entrant_config config = config_of(trial, i, true);
+		status = entrant_open(&trial->entrants[i], &trial->pkg, &config);
 	}
+	return status;
 }
 
 static int draw_all(struct trial *trial, uint32_t number)
@@ -223,9 +238,9 @@ static int warm_up(struct trial *trial, uint32_t first)
 {
 	const struct trial_config *c = trial->config;
 	bool fresh = !trial->open;
-	int status = fresh ? open_entrants(trial) : 0;
 	bool follows = !fresh && trial->last_drawn + 1 == first;
 	uint32_t from = first > WARM_FRAMES ? first - WARM_FRAMES : 0;
+	int status = fresh ? open_entrants(trial, from) : 0;
 	for (uint32_t i = 0; i < c->count && !follows; i++)
 		popping_cut(&trial->entrants[i].popping);
 	for (uint32_t number = from; (number < first || (fresh && number == from)) && !follows && !status; number++) {
@@ -234,8 +249,6 @@ static int warm_up(struct trial *trial, uint32_t first)
 			struct popping_frame ignored;
 			popping_add(
 				&trial->entrants[i].popping, trial->entrants[0].lightness, trial->entrants[i].lightness, &ignored);
-			if (fresh && number == from)
-				trial->out->entrants[i].first_frame_ms = trial->entrants[i].start_ms + trial->entrants[i].cpu_ms;
 		}
 	}
 	if (first == 0) /* drawn twice: nothing came before it */
@@ -251,7 +264,7 @@ static struct trial_row row_of(struct trial *trial, uint32_t number, uint32_t wh
 	struct entrant *entrant = &trial->entrants[which];
 	const struct nav_view *nav = &trial->drive.items[number].nav;
 	struct renderer_stats stats;
-	entrant_stats(entrant, &stats);
+	renderer_stats(entrant->renderer, &stats);
 	struct trial_row row = {
 		.frame = number,
 		.half = nav->located ? nav->half : PKG_NONE,
@@ -410,8 +423,6 @@ static int run_missing(struct trial *trial)
 		if (chunk_done(trial, chunk))
 			continue;
 		status = run_chunk(trial, chunk);
-		if (!status)
-			note_entrants(trial);
 		if (!status)
 			status = write_entrants(trial);
 	}

@@ -28,7 +28,7 @@ struct trial_config {
 	const char *title; /* for the progress: "tau 1" */
 };
 
-/* A representation's own figures, of the last run that drew anything. */
+/* A representation's own figures, before the first frame of the run. */
 struct trial_entrant {
 	char name[16];
 	double start_ms, first_frame_ms; /* CPU time: making the renderer; the first picture, loading included */
