@@ -103,7 +103,7 @@ static void *take(struct staging *staging, uint64_t bytes)
 static int load_set(struct cell_loader *loader, const struct pkg_blob *blob, uint32_t triangles, bool copied,
 	struct set_room *room, struct staging *staging, struct cell_set *out)
 {
-	struct set_view set;
+	struct set_view set = { 0 };
 	if (!blob->stored_bytes)
 		return 0;
 	int status = blob_read(loader->reader, loader->pkg, blob, loader->set_bytes);

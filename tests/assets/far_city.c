@@ -23,9 +23,9 @@ static size_t put(struct buffer *buffer, const void *bytes, size_t size)
 		buffer->bytes = realloc(buffer->bytes, buffer->room);
 		assert(buffer->bytes);
 	}
-	if (bytes)
+	if (bytes && size)
 		memcpy(buffer->bytes + at, bytes, size);
-	else
+	else if (size)
 		memset(buffer->bytes + at, 0, size);
 	buffer->size += size;
 	return at;
