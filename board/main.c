@@ -63,16 +63,16 @@ static void catch_signals(void)
 	sigaction(SIGTERM, &action, NULL);
 }
 
-/* One reservation for everything of ours on the CPU; the rest of the budget is the GPU's. */
+/* One reservation for everything of ours on the CPU: no more than half of the budget, of which settle_shares() gives
+ * the GPU what is not needed. */
 static int reserve_memory(struct machine *m)
 {
 	uint64_t budget = m->options.budget_bytes;
-	m->memory_bytes = budget / 4;
+	m->memory_bytes = budget / 2;
 	if (m->memory_bytes < CPU_SHARE_MIN)
 		m->memory_bytes = CPU_SHARE_MIN;
 	if (m->memory_bytes > CPU_SHARE_MAX)
 		m->memory_bytes = CPU_SHARE_MAX;
-	m->gpu_bytes = budget - m->memory_bytes;
 	void *at = mmap(NULL, (size_t)m->memory_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
 	if (at == MAP_FAILED) {
 		log_error("cannot reserve %llu MiB: %s", (unsigned long long)(m->memory_bytes >> 20), strerror(errno));
@@ -133,6 +133,16 @@ static int open_display(struct machine *m)
 	return display_open(&m->display, ops, &config);
 }
 
+/* Once all but the renderer has its memory: what the renderer and the picture need more, and the GPU has the rest. */
+static void settle_shares(struct machine *m, const struct renderer_config *config)
+{
+	uint64_t wanted =
+		m->boot.used + renderer_arena_bytes(config, &m->pkg) + (uint64_t)config->width * config->height * 4;
+	if (wanted < m->memory_bytes)
+		m->boot.size = (size_t)wanted;
+	m->gpu_bytes = m->options.budget_bytes - m->boot.size;
+}
+
 static int open_renderer(struct machine *m)
 {
 	struct options *o = &m->options;
@@ -145,7 +155,6 @@ static int open_renderer(struct machine *m)
 		.width = o->width,
 		.height = o->height,
 		.samples = o->samples > 0 ? (uint32_t)o->samples : 1,
-		.gpu_budget_bytes = m->gpu_bytes,
 		.far_name = o->far_name ? o->far_name : "auto",
 		.tau_px = o->tau_px,
 		.deterministic = m->simulated,
@@ -157,6 +166,8 @@ static int open_renderer(struct machine *m)
 			.utc_offset_minutes = (int32_t)m->pkg.meta->utc_offset_minutes,
 		},
 	};
+	settle_shares(m, &config);
+	config.gpu_budget_bytes = m->gpu_bytes;
 	int status = renderer_init(&m->renderer, &m->boot, &config, &m->pkg);
 	if (status == -ENOMEM)
 		log_error("the budget of %llu MiB is too small for %s at %u x %u", (unsigned long long)(o->budget_bytes >> 20),

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "assets/cell_cache.h"
 #include "assets/resident.h"
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
@@ -27,6 +28,9 @@
 #define DEFAULT_FAR_M 6000.0
 #define DEFAULT_FOV_DEG 45.0
 #define OVERLAY_BYTES (UINT64_C(3) << 20) /* for what is drawn on top, and small things */
+#define FIXED_ARENA_BYTES (UINT64_C(2) << 20)
+#define ARENA_BYTES_A_CHUNK 128 /* residency, pools of ranges */
+#define ARENA_BYTES_AN_EDGE 64  /* labels */
 #define SPLIT_M 150.0
 #define JUMP_MM 200000
 #define SEE_AHEAD_M 180.0 /* of the route, past buildings */
@@ -176,6 +180,23 @@ static int make_scene(struct renderer *renderer, struct arena *arena, const stru
 	if (renderer->mesh.residency.whole)
 		near_mesh_load(&renderer->mesh, (const int64_t[3]){ 0 }, renderer->config.far_m, UINT64_MAX);
 	return 0;
+}
+
+/* Everything that grows with the city, and room for all that does not. */
+uint64_t renderer_arena_bytes(const struct renderer_config *config, const struct pkg *pkg)
+{
+	const uint64_t chunks = pkg->chunk_count, objects = pkg->object_count, edges = pkg->graph.edge_count;
+	uint64_t sum = FIXED_ARENA_BYTES + RESIDENT_SCRATCH_BYTES;
+	sum += objects * PKG_PASS_COUNT * sizeof(struct mesh_run);
+	sum += chunks * (PKG_PASS_COUNT * sizeof(struct mesh_run) + sizeof(struct visible_chunk) +
+						2 * VIEW_SLICE_COUNT * PKG_PASS_COUNT * sizeof(struct draw_item) + ARENA_BYTES_A_CHUNK);
+	sum += edges * ARENA_BYTES_AN_EDGE;
+	const struct repr_ops *far_ops = repr_by_name(config->far_name ? config->far_name : "full", pkg);
+	if (pkg->stretches && far_ops && far_ops->reach_m)
+		sum += cell_cache_bytes(pkg, &(struct cell_cache_config){ 0 });
+	else if (pkg->stretches && far_ops == &repr_pvs)
+		sum += cell_cache_bytes(pkg, &(struct cell_cache_config){ .pvs = CELL_PVS_ALWAYS, .without_impostors = true });
+	return sum;
 }
 
 int renderer_init(

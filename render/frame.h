@@ -63,6 +63,8 @@ struct renderer_stats {
  * renderer_finish(). */
 int renderer_init(
 	struct renderer **out, struct arena *city_arena, const struct renderer_config *config, const struct pkg *pkg);
+/* Upper bound of what it takes from the arena. */
+uint64_t renderer_arena_bytes(const struct renderer_config *config, const struct pkg *pkg);
 /* NULL does nothing. */
 void renderer_finish(struct renderer *renderer);
 

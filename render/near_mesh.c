@@ -99,7 +99,7 @@ static int make_pools(struct near_mesh *mesh, struct arena *arena, uint64_t left
 		double share = (double)left_bytes / (double)wanted;
 		vertices = (uint64_t)((double)vertices * share);
 		indices = (uint64_t)((double)indices * share);
-		log_info("the %.0f MiB of geometry around the eye are held %.0f MiB at a time", (double)wanted / 1048576.0,
+		log_info("%.0f MiB of geometry are wanted, there is room for %.0f MiB at a time", (double)wanted / 1048576.0,
 			(double)left_bytes / 1048576.0);
 	}
 	if (vertices > limit / vertex_bytes)
