@@ -1,4 +1,4 @@
-/* The ray caster behind ray_view.h: every ray against everything. */
+/* The ray caster behind ray_view.h: everything against the rays that may meet it. */
 #include "tests/tools/ray_view.h"
 
 #include <math.h>
@@ -91,39 +91,109 @@ static void set_normal(struct capture_pixel *pixel, const double normal[3])
 	pixel->normal_oct[1] = (int8_t)lround(127 * y);
 }
 
+/* Pixels whose rays may meet a box of the city frame. */
+struct reach {
+	uint32_t from_x, from_y, to_x, to_y;
+};
+
+static uint32_t pixel_in(double at, uint32_t size)
+{
+	return (uint32_t)fmin(fmax(floor(at), 0), size);
+}
+
+static struct reach reach_of(const struct capture_view *view, const double min[3], const double max[3])
+{
+	double low_x = INFINITY, low_y = INFINITY, high_x = -INFINITY, high_y = -INFINITY;
+	for (int i = 0; i < 8; i++) {
+		double x, y, z;
+		struct dvec3 corner = { i & 1 ? max[0] : min[0], i & 2 ? max[1] : min[1], i & 4 ? max[2] : min[2] };
+		if (!capture_project(view, corner, &x, &y, &z))
+			return (struct reach){ 0, 0, view->width, view->height };
+		low_x = fmin(low_x, x);
+		low_y = fmin(low_y, y);
+		high_x = fmax(high_x, x);
+		high_y = fmax(high_y, y);
+	}
+	return (struct reach){ pixel_in(low_x - 1, view->width), pixel_in(low_y - 1, view->height),
+		pixel_in(high_x + 2, view->width), pixel_in(high_y + 2, view->height) };
+}
+
+/* The ray of pixel (x, y), forward part 1. */
+static void ray_of(const struct capture_view *view, uint32_t x, uint32_t y, double ray[3])
+{
+	double right = (x + 0.5 - view->centre_x) / view->focal_px, up = (view->centre_y - y - 0.5) / view->focal_px;
+	ray[0] = view->forward.x + right * view->right.x + up * view->up.x;
+	ray[1] = view->forward.y + right * view->right.y + up * view->up.y;
+	ray[2] = view->forward.z + right * view->right.z + up * view->up.z;
+}
+
+/* Meets one box (or ball, when `box` is NULL) with the rays of the pixels that it may be in. */
+static void meet_one(const struct capture_view *view, const struct ray_box *box, const struct ray_ball *ball,
+	uint32_t object, struct hit *hits)
+{
+	double min[3], max[3];
+	for (int i = 0; i < 3; i++) {
+		min[i] = box ? box->min[i] : ball->centre[i] - ball->radius;
+		max[i] = box ? box->max[i] : ball->centre[i] + ball->radius;
+	}
+	const double eye[3] = { view->eye.x, view->eye.y, view->eye.z };
+	struct reach reach = reach_of(view, min, max);
+	for (uint32_t y = reach.from_y; y < reach.to_y; y++) {
+		for (uint32_t x = reach.from_x; x < reach.to_x; x++) {
+			double ray[3];
+			ray_of(view, x, y, ray);
+			struct hit *hit = &hits[(size_t)y * view->width + x];
+			if (box)
+				meet_box(box, object, eye, ray, hit);
+			else
+				meet_ball(ball, object, eye, ray, hit);
+		}
+	}
+}
+
+static void meet_ground(const struct capture_view *view, double from, struct hit *hits)
+{
+	for (uint32_t y = 0; y < view->height; y++) {
+		for (uint32_t x = 0; x < view->width; x++) {
+			double ray[3];
+			ray_of(view, x, y, ray);
+			double down = ray[2] < 0 ? -view->eye.z / ray[2] : INFINITY;
+			struct hit *hit = &hits[(size_t)y * view->width + x];
+			hit->t = view->far_m;
+			if (down < hit->t && view->eye.y + down * ray[1] >= from)
+				*hit = (struct hit){ down, 1, 0, { 0, 0, 1 }, PKG_MATERIAL_GROUND };
+		}
+	}
+}
+
+static void paint(struct capture_image *image, size_t pixel, const struct hit *hit)
+{
+	image->pixels[pixel] = (struct capture_pixel){
+		.object = hit->object, .disparity = (float)(1 / hit->t), .kind = hit->kind, .triangle = hit->triangle
+	};
+	set_normal(&image->pixels[pixel], hit->normal);
+	uint64_t color = hash_u64(hit->object * 8 + (hit->triangle & 7));
+	for (size_t c = 0; c < 3; c++)
+		image->rgba[4 * pixel + c] = (uint8_t)(96 + (color >> (8 * c)) % 128);
+	image->rgba[4 * pixel + 3] = 255;
+}
+
 struct capture_image ray_capture(const struct ray_scene *scene, const struct capture_view *view)
 {
 	struct capture_image image = { .view = *view };
 	size_t count = (size_t)view->width * view->height;
 	image.rgba = calloc(count, 4);
 	image.pixels = calloc(count, sizeof(*image.pixels));
-	const double eye[3] = { view->eye.x, view->eye.y, view->eye.z };
-	for (size_t i = 0; i < count; i++) {
-		double right = ((double)(i % view->width) + 0.5 - view->centre_x) / view->focal_px;
-		double up = (view->centre_y - (double)(i / view->width) - 0.5) / view->focal_px;
-		const double ray[3] = { view->forward.x + right * view->right.x + up * view->up.x,
-			view->forward.y + right * view->right.y + up * view->up.y,
-			view->forward.z + right * view->right.z + up * view->up.z };
-		struct hit hit = { .t = view->far_m };
-		double down = ray[2] < 0 ? -eye[2] / ray[2] : INFINITY;
-		if (down < hit.t && eye[1] + down * ray[1] >= scene->ground_from)
-			hit = (struct hit){ down, 1, 0, { 0, 0, 1 }, PKG_MATERIAL_GROUND };
-		for (size_t k = 0; k < scene->box_count; k++)
-			meet_box(&scene->boxes[k], (uint32_t)k + 2, eye, ray, &hit);
-		for (size_t k = 0; k < scene->ball_count; k++)
-			meet_ball(&scene->balls[k], (uint32_t)(scene->box_count + k) + 2, eye, ray, &hit);
-		if (!hit.object)
-			continue;
-		struct capture_pixel *pixel = &image.pixels[i];
-		*pixel = (struct capture_pixel){
-			.object = hit.object, .disparity = (float)(1 / hit.t), .kind = hit.kind, .triangle = hit.triangle
-		};
-		set_normal(pixel, hit.normal);
-		uint64_t color = hash_u64(hit.object * 8 + (hit.triangle & 7));
-		for (int c = 0; c < 3; c++)
-			image.rgba[4 * i + (size_t)c] = (uint8_t)(96 + (color >> (8 * c)) % 128);
-		image.rgba[4 * i + 3] = 255;
-	}
+	struct hit *hits = calloc(count, sizeof(*hits));
+	meet_ground(view, scene->ground_from, hits);
+	for (size_t i = 0; i < scene->box_count; i++)
+		meet_one(view, &scene->boxes[i], NULL, (uint32_t)i + 2, hits);
+	for (size_t i = 0; i < scene->ball_count; i++)
+		meet_one(view, NULL, &scene->balls[i], (uint32_t)(scene->box_count + i) + 2, hits);
+	for (size_t i = 0; i < count; i++)
+		if (hits[i].object)
+			paint(&image, i, &hits[i]);
+	free(hits);
 	return image;
 }
 
