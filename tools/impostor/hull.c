@@ -32,7 +32,8 @@ static double outwards(const struct growing *growing, struct at a, struct at b, 
 
 static double distance(struct at a, struct at b)
 {
-	return hypot(b.x - a.x, b.y - a.y);
+	double x = b.x - a.x, y = b.y - a.y;
+	return sqrt(x * x + y * y);
 }
 
 static bool before(const struct hull_step *a, const struct hull_step *b)
@@ -170,18 +171,27 @@ static void make_step(struct growing *growing, const struct hull_step *step)
 		offer_around(growing, points[around].next);
 }
 
+static bool goes_straight_on(struct contour_point a, struct contour_point b, struct contour_point c)
+{
+	return (b.x - a.x) * (c.y - a.y) == (b.y - a.y) * (c.x - a.x);
+}
+
 static void load(struct growing *growing, const struct contour_point *points, uint32_t count)
 {
 	struct hull *hull = growing->hull;
 	hull->points.count = hull->heap.count = hull->kept.count = 0;
-	uint32_t known = growing->closed ? count - 1 : count; /* a closed one comes back to its first point */
-	for (uint32_t i = 0; i < known; i++)
+	uint32_t last = growing->closed ? count - 1 : count; /* a closed one comes back to its first point */
+	for (uint32_t i = 0; i < last; i++) {
+		uint32_t known = (uint32_t)hull->points.count;
+		if (i && i + 1 < count && goes_straight_on(points[i - 1], points[i], points[i + 1]))
+			continue;
 		ARRAY_PUSH(&hull->points,
-			(struct hull_point){ points[i].x, points[i].y, i ? i - 1 : NONE, i + 1 < known ? i + 1 : NONE, 0, false });
-	if (growing->closed) {
-		hull->points.items[0].last = known - 1;
-		hull->points.items[known - 1].next = 0;
+			(struct hull_point){ points[i].x, points[i].y, known ? known - 1 : NONE, known + 1, 0, false });
 	}
+	uint32_t known = (uint32_t)hull->points.count;
+	hull->points.items[known - 1].next = growing->closed ? 0 : NONE;
+	if (growing->closed)
+		hull->points.items[0].last = known - 1;
 	growing->left = known;
 }
 

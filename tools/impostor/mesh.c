@@ -15,7 +15,7 @@
 #define PLANE_SHARE 0.9
 #define JOIN_SHARE 0.2
 #define GUARD_PX 3
-#define CLOSE_PX 10
+#define CLOSE_PX 6
 #define PRICE_PX2 80.0
 #define INNER_PX 1.0
 #define SWALLOW_PX 16
@@ -80,17 +80,13 @@ static double tau_px(const struct impostor_options *options)
 	return options->tau_px > 0 ? options->tau_px : 1;
 }
 
-/* Where anything is seen, since a surface may spread over what is not to be shown. */
 static void find_tolerances(struct meshing *meshing)
 {
-	for (uint32_t y = 0, i = 0; y < meshing->height; y++) {
-		for (uint32_t x = 0; x < meshing->width; x++, i++) {
-			const struct capture_pixel *pixel = &meshing->capture->image.pixels[i];
-			if (pixel->object && pixel->disparity > 0 && isfinite(pixel->disparity))
-				meshing->tolerance[i] = (float)displacement_tolerance(
-					&meshing->displacement, x + 0.5, y + 0.5, pixel->disparity, tau_px(meshing->options));
-		}
-	}
+	for (uint32_t y = 0, i = 0; y < meshing->height; y++)
+		for (uint32_t x = 0; x < meshing->width; x++, i++)
+			if (meshing->owned[i])
+				meshing->tolerance[i] = (float)displacement_tolerance(&meshing->displacement, x + 0.5, y + 0.5,
+					meshing->capture->image.pixels[i].disparity, tau_px(meshing->options));
 }
 
 static void scale_tolerances(struct meshing *meshing, double factor)
@@ -118,6 +114,8 @@ static void mesh_once(struct meshing *meshing, double factor, uint8_t view, stru
 		.surfaces = &surfaces,
 		.sheets = &sheets,
 		.tolerance = meshing->scaled,
+		.displacement = &meshing->displacement,
+		.tau_px = tau_px(meshing->options) * factor,
 		.open_below = meshing->open_below,
 		.options = { .guard_px = GUARD_PX,
 			.close_px = CLOSE_PX,

@@ -22,8 +22,12 @@ static enum mesh_texel texel_of(
 	if (!seen->object)
 		return MESH_CUT;
 	double expected = plane_at(&surface->plane, x + 0.5, y + 0.5), step = (double)seen->disparity - expected;
-	double allowed = source->tolerance[pixel];
-	return fabs(step) <= allowed ? MESH_SHOW : step > 0 ? MESH_FILL : MESH_CUT;
+	/* Only owned pixels have theirs from the start. */
+	float *allowed = &source->tolerance[pixel];
+	if (*allowed <= 0 && seen->disparity > 0)
+		*allowed =
+			(float)displacement_tolerance(source->displacement, x + 0.5, y + 0.5, seen->disparity, source->tau_px);
+	return fabs(step) <= (double)*allowed ? MESH_SHOW : step > 0 ? MESH_FILL : MESH_CUT;
 }
 
 static const struct surface *surface_of(const struct sheet_source *source, uint32_t label)
@@ -80,12 +84,11 @@ static bool may_guard(
 	if (source->open_below[pixel])
 		return to == from + mesher->width;
 	uint32_t label = mesher->label.items[from], other = source->surfaces->label[pixel];
-	if (step < SEAM_PX && other && sheets_tied(source->sheets, label - 1, other - 1)) {
-		mesher->seam.items[to] = 1;
-		return true;
-	}
 	enum mesh_texel texel = texel_of(source, surface_of(source, label), (uint32_t)x, (uint32_t)y);
-	return texel == MESH_FILL || (texel == MESH_SHOW && step < SEAM_PX);
+	bool tied = texel == MESH_SHOW || (other && sheets_tied(source->sheets, label - 1, other - 1));
+	if (step < SEAM_PX && tied)
+		mesher->seam.items[to] = 1;
+	return texel == MESH_FILL || (step < SEAM_PX && tied);
 }
 
 /* By one pixel a step; every other step diagonally too, which makes octagons of points. */
@@ -559,14 +562,14 @@ static void add_texels(const struct sheet_mesher *mesher, const struct sheet_sou
 	for (uint32_t y = patch->min_y; y <= patch->max_y; y++) {
 		for (uint32_t x = patch->min_x; x <= patch->max_x; x++) {
 			uint32_t pixel = y * surfaces->width + x, own = surfaces->label[pixel];
+			size_t at = (size_t)((int32_t)y - mesher->y) * mesher->width + (size_t)((int32_t)x - mesher->x);
+			bool shown = mesher->seam.items[at] || (own && source->sheets->sheet_of.items[own - 1] == sheet);
 			enum mesh_texel texel = MESH_SHOW;
-			if (!own || source->sheets->sheet_of.items[own - 1] != sheet) {
-				size_t at = (size_t)((int32_t)y - mesher->y) * mesher->width + (size_t)((int32_t)x - mesher->x);
-				if (source->open_below[pixel])
-					texel = MESH_FILL;
-				else if (!mesher->seam.items[at])
-					texel = texel_of(source, surface, x, y);
-			}
+			if (!shown)
+				texel = source->open_below[pixel] ? MESH_FILL : texel_of(source, surface, x, y);
+			/* What agrees, but is not the sheet's, is shown by others. */
+			if (!shown && texel == MESH_SHOW)
+				texel = MESH_CUT;
 			ARRAY_PUSH(&mesh->texels, (uint8_t)texel);
 		}
 	}

@@ -13,6 +13,7 @@
 
 #include "tools/impostor/cdt.h"
 #include "tools/impostor/contours.h"
+#include "tools/impostor/displacement.h"
 #include "tools/impostor/hull.h"
 #include "tools/impostor/impostor.h"
 #include "tools/impostor/sheets.h"
@@ -33,7 +34,9 @@ struct sheet_source {
 	const struct capture_image *image;
 	const struct surfaces *surfaces;
 	const struct sheets *sheets;
-	const float *tolerance;    /* of disparity, at owned pixels */
+	float *tolerance; /* of disparity for tau_px: at owned pixels, and 0 where not asked for yet */
+	struct displacement *displacement;
+	double tau_px;
 	const uint8_t *open_below; /* not 0: nothing here and in all pixels below */
 	struct sheet_options options;
 };
