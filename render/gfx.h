@@ -67,7 +67,7 @@ enum gfx_filter {
 	GFX_NEAREST,
 	GFX_LINEAR,
 	GFX_TRILINEAR,   /* needs all levels */
-	GFX_ANISOTROPIC, /* trilinear where the GPU has no anisotropy */
+	GFX_ANISOTROPIC, /* trilinear where the GPU has no anisotropy; one level at a time where it is a CPU */
 };
 enum gfx_wrap { GFX_CLAMP, GFX_REPEAT };
 struct gfx_texture_desc {
