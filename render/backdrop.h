@@ -1,6 +1,6 @@
 /*
- * The lie of the land around the eye, as rings of the terrain in one tone under the haze: what is seen below the horizon
- * where the city's geometry, or what stands for it, has nothing. Drawn after the sky.
+ * The lie of the land around the eye, as rings of the terrain in one tone under the haze: what is seen below the
+ * horizon where the city's geometry, or what stands for it, has nothing. Drawn after the sky.
  */
 #ifndef BLVD_RENDER_BACKDROP_H
 #define BLVD_RENDER_BACKDROP_H

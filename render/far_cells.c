@@ -9,15 +9,17 @@
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
 #include "render/cell_emit.h"
+#include "render/see_through.h"
 
 #define SLOTS_MAX 16
 #define SLOTS_MIN 4
 #define STORE_BYTES (UINT64_C(32) << 20) /* slots are fewer than SLOTS_MAX when they would take more */
 #define DISSOLVE_NS (200 * NS_PER_MS)
-#define SLACK_M 8.0    /* so far outside its view cell a local model still does, while a better one is loaded */
-#define BESIDE_M 120.0 /* so far outside the distance still looks right enough */
-#define ABOVE_MM 30000 /* above the view cell: roofs and yards are seen, which no cell has */
-#define AROUND_M 400.0 /* geometry drawn around an eye beside the view cell */
+#define SLACK_M 8.0     /* so far outside its view cell a local model still does, while a better one is loaded */
+#define BESIDE_M 120.0  /* so far outside the distance still looks right enough */
+#define ABOVE_MM 30000  /* above the view cell: roofs and yards are seen, which no cell has */
+#define AROUND_M 400.0  /* geometry drawn around an eye beside the view cell */
+#define THROUGH_M 200.0 /* seen through faded buildings; beyond, haze and glass make little of it */
 #define UPLOAD_BYTES (4 * PKG_PAGE_BYTES) /* a frame: copying a page costs a software GPU 0.7 ms */
 #define NEAR_SHARE 0.97                   /* of near_mm, where the impostor may begin */
 #define WANTED_MAX (NAV_LIKELY_MAX + 1)
@@ -38,7 +40,7 @@ int far_cells_init(
 {
 	*cells = (struct far_cells){ .repr = repr, .here = PKG_NONE, .before = PKG_NONE, .rung = CELLS_OUTSIDE };
 	if (!repr->pkg->stretches) {
-		log_error("the package has no far field: bake it with --far");
+		log_error("the package has no far field: bake it with --far all");
 		return -ENODATA;
 	}
 	struct cell_limits limits;
@@ -190,6 +192,7 @@ void far_cells_emit_near(struct far_cells *cells, const struct view *view, struc
 	if (cells->rung == CELLS_INSIDE) {
 		struct cell_emitted out = cell_emit(&cells->store.slots[cells->slot].local, repr->mesh, repr->fade, view, list);
 		repr->counts.missing += out.missing;
+		see_through_emit(repr->fade, repr->mesh, view, THROUGH_M, repr->visible, list);
 	} else {
 		emit_around(cells, view, cells->rung == CELLS_BESIDE ? AROUND_M : repr->config.far_m * 2.0, list);
 	}
@@ -199,8 +202,10 @@ void far_cells_emit_near(struct far_cells *cells, const struct view *view, struc
 
 bool far_cells_emit_pvs(struct far_cells *cells, const struct view *view, struct draw_list *list)
 {
-	if (cells->rung == CELLS_OUTSIDE || !cell_cache_slot(cells->cache, cells->slot)->has_pvs)
-		return false;
+	if (cells->rung == CELLS_OUTSIDE)
+		return true; /* all geometry is drawn */
+	if (!cell_cache_slot(cells->cache, cells->slot)->has_pvs)
+		return cells->repr->pkg->stretches[cells->here].pvs_triangles == 0;
 	struct repr *repr = cells->repr;
 	struct cell_emitted out = cell_emit(&cells->store.slots[cells->slot].pvs, repr->mesh, repr->fade, view, list);
 	repr->counts.triangles += out.triangles;

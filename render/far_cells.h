@@ -43,7 +43,7 @@ void far_cells_select(struct far_cells *cells, const struct repr_place *place);
 /* The near geometry of the rung; counts what was missing. */
 void far_cells_emit_near(struct far_cells *cells, const struct view *view, struct draw_list *list);
 
-/* The cell's set of distant triangles; false when it has none on the GPU. Adds to counts.triangles. */
+/* The stretch's distant triangles; false when they are not stored. Adds to counts.triangles. */
 bool far_cells_emit_pvs(struct far_cells *cells, const struct view *view, struct draw_list *list);
 
 /* How far from the eye geometry is wanted: what the rungs draw, and as much again for the stretches to come. */

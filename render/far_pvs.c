@@ -4,11 +4,19 @@
  */
 #include <errno.h>
 
+#include "platform/base/log.h"
 #include "render/far_cells.h"
 #include "render/repr.h"
 
 static int init(struct repr *repr, struct arena *arena)
 {
+	bool stored = false;
+	for (uint32_t i = 0; i < repr->pkg->stretch_count; i++)
+		stored = stored || repr->pkg->stretches[i].pvs.stored_bytes;
+	if (repr->pkg->stretches && !stored) {
+		log_error("the package has no visible sets: bake it with --far all or --far pvs");
+		return -ENODATA;
+	}
 	struct far_cells *cells = ARENA_ARRAY(arena, struct far_cells, 1);
 	if (!cells)
 		return -ENOMEM;
@@ -34,7 +42,8 @@ static void emit(struct repr *repr, const struct view *view, struct draw_list *l
 {
 	struct far_cells *cells = repr->state;
 	far_cells_emit_near(cells, view, list);
-	far_cells_emit_pvs(cells, view, list);
+	if (!far_cells_emit_pvs(cells, view, list))
+		repr->counts.fallback = true;
 }
 
 static double split_m(const struct repr *repr)
