@@ -8,6 +8,26 @@
 
 #define ARENA_BYTES ((size_t)256 << 20) /* untouched pages cost nothing */
 
+/* What only measuring takes of the GPU: the target, and the pages of what texels show. */
+static uint64_t truth_bytes(const struct pkg *pkg, const struct entrant_config *config)
+{
+	struct gfx_target_desc target = { .width = config->width, .height = config->height, .ids = GFX_IDS_RGBA32UI };
+	uint64_t pages = 0;
+	for (uint32_t i = 0; pkg->stretches && i < 2 * pkg->stretch_count; i++)
+		if (pkg->cells[i].truth.stored_bytes && pkg->cells[i].page_count > pages)
+			pages = pkg->cells[i].page_count;
+	return gfx_target_bytes(&target) + pages * PKG_PAGE_PX * PKG_PAGE_PX * sizeof(struct pkg_truth_texel);
+}
+
+/* The GPU's part of the budget: what the renderer's own arena does not need. */
+static uint64_t gpu_budget(const struct pkg *pkg, const struct entrant_config *config, const struct renderer_config *of)
+{
+	uint64_t arena = renderer_arena_bytes(of, pkg), budget = config->budget_bytes;
+	if (!budget)
+		return 0;
+	return (budget > arena ? budget - arena : 1) + (config->truth ? truth_bytes(pkg, config) : 0);
+}
+
 static int open_renderer(struct entrant *entrant, const struct pkg *pkg)
 {
 	const struct entrant_config *config = &entrant->config;
@@ -19,7 +39,6 @@ static int open_renderer(struct entrant *entrant, const struct pkg *pkg)
 		.width = config->width,
 		.height = config->height,
 		.samples = config->samples,
-		.gpu_budget_bytes = config->budget_bytes,
 		.far_name = config->name,
 		.tau_px = config->tau_px,
 		.deterministic = true,
@@ -27,6 +46,7 @@ static int open_renderer(struct entrant *entrant, const struct pkg *pkg)
 		.overlay = config->overlay,
 		.truth = config->truth,
 	};
+	renderer.gpu_budget_bytes = gpu_budget(pkg, config, &renderer);
 	return renderer_init(&entrant->renderer, &entrant->arena, &renderer, pkg);
 }
 

@@ -14,7 +14,7 @@ struct entrant_config {
 	const char *name; /* of the representation */
 	double tau_px;
 	uint32_t width, height, samples;
-	uint64_t budget_bytes; /* of the GPU; 0: the renderer's default */
+	uint64_t budget_bytes; /* of all its memory, as boulevard's; 0: the renderer's default */
 	bool overlay;          /* draw the route, names and read-outs too */
 	bool truth;            /* entrant_read_truth() will be called: takes memory that a renderer does not need */
 };

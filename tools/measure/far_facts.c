@@ -91,6 +91,7 @@ int far_facts_read(struct far_facts *facts, const char *package)
 	}
 	facts->package_bytes = pkg.map.bytes.size;
 	facts->far_bytes = pkg.blobs_bytes;
+	facts->resident_bound_bytes = pkg.meta->resident_bound_bytes;
 	for (uint32_t i = 0; i < pkg.chunk_count; i++)
 		for (int pass = 0; pass < PKG_PASS_COUNT; pass++)
 			facts->triangles += pkg.chunks[i].index_count[pass] / 3;

@@ -20,6 +20,7 @@ struct spread spread_of(double *values, size_t count);
 struct far_facts {
 	uint64_t triangles;                /* of the whole city */
 	uint64_t package_bytes, far_bytes; /* the file; what of it is the far field */
+	uint64_t resident_bound_bytes;     /* what the package says it needs at most */
 	double street_km;
 	uint32_t directed_edges;  /* with a far field */
 	double edge_bytes_median; /* of these: the cell's impostors, half of what is shared with the other direction */

@@ -173,6 +173,7 @@ static cJSON *json_of_run(const struct tradeoff_run *run)
 		{ "triangles", (double)f->triangles },
 		{ "package_bytes", (double)f->package_bytes },
 		{ "far_bytes", (double)f->far_bytes },
+		{ "resident_bound_bytes", (double)f->resident_bound_bytes },
 		{ "street_km", f->street_km },
 		{ "directed_edges", f->directed_edges },
 		{ "edge_bytes_median", f->edge_bytes_median },

@@ -178,7 +178,7 @@ static struct entrant_config config_of(const struct trial *trial, uint32_t which
 		.width = c->width,
 		.height = c->height,
 		.samples = c->samples,
-		.budget_bytes = c->budget_bytes,
+		.budget_bytes = which ? c->budget_bytes : 0, /* the reference must have everything */
 		.overlay = c->overlay,
 		.truth = truth };
 }

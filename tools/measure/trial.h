@@ -19,10 +19,10 @@ struct trial_config {
 	uint32_t count;
 	double tau_px;
 	uint32_t width, height, samples, fps;
-	uint32_t frames;   /* at most; 0: the whole drive */
-	uint32_t every;    /* accuracy is measured on each such frame */
-	uint32_t pictures; /* compared frames written as PNG, evenly spread */
-	uint64_t budget_bytes;
+	uint32_t frames;       /* at most; 0: the whole drive */
+	uint32_t every;        /* accuracy is measured on each such frame */
+	uint32_t pictures;     /* compared frames written as PNG, evenly spread */
+	uint64_t budget_bytes; /* of every representation but `full`; 0: the renderer's default */
 	bool overlay;
 	bool show_progress;
 	const char *title; /* for the progress: "tau 1" */
