@@ -131,8 +131,28 @@ static void what_is_open_below_hides_nothing(void **state)
 	block_city_house(&made.city, (struct dvec2){ 60, 0 }, (struct dvec2){ 12, 12 }, 12.0, 0.0); /* over a tunnel */
 	struct way_node nodes[2] = { { .at = { 66, -50 } }, { .at = { 66, 50 } } };
 	ARRAY_PUSH(&made.city.ways, (struct way){ .nodes = nodes, .node_count = 2, .tunnel = true, .width_m = 6.0 });
+	block_city_house(&made.city, (struct dvec2){ 90, 0 }, (struct dvec2){ 12, 12 }, 12.0, 0.0); /* over water */
+	struct dvec2 shore[4] = { { 80, -10 }, { 120, -10 }, { 120, 30 }, { 80, 30 } };
+	ARRAY_PUSH(&made.city.areas, (struct area){ .kind = AREA_WATER, .shape = { .outer = { shore, 4 } } });
+	block_city_house(&made.city, (struct dvec2){ 150, 0 }, (struct dvec2){ 12, 12 }, 12.0, 0.0); /* over a stream */
+	struct dvec2 stream[2] = { { 149, 30 }, { 149, -30 } };
+	ARRAY_PUSH(&made.city.lines, (struct line){ .kind = LINE_STREAM, .points = stream, .count = 2, .width_m = 2.0 });
 	block_city_build(&made);
 	assert_int_equal(made.occluders.walls.count, 0);
+	block_city_finish(&made);
+}
+
+static void a_house_at_the_shore_hides_as_far_as_it_stands_on_land(void **state)
+{
+	(void)state;
+	struct block_city made = { 0 };
+	block_city_house(&made.city, (struct dvec2){ 0, 0 }, (struct dvec2){ 20, 12 }, 12.0, 0.0);
+	struct dvec2 shore[4] = { { 10, -10 }, { 40, -10 }, { 40, 30 }, { 10, 30 } };
+	ARRAY_PUSH(&made.city.areas, (struct area){ .kind = AREA_WATER, .shape = { .outer = { shore, 4 } } });
+	block_city_build(&made);
+	assert_int_equal(made.occluders.solid_count, 1);
+	double area = area_of(&made.occluders, 0);
+	assert_true(area > 5.0 * 7.0 && area <= 6.0 * 8.0);
 	block_city_finish(&made);
 }
 
@@ -161,6 +181,7 @@ int main(void)
 		cmocka_unit_test(houses_that_touch_hide_as_one),
 		cmocka_unit_test(a_taller_neighbour_hides_more_by_itself),
 		cmocka_unit_test(what_is_open_below_hides_nothing),
+		cmocka_unit_test(a_house_at_the_shore_hides_as_far_as_it_stands_on_land),
 		cmocka_unit_test(an_arch_leaves_the_house_beside_it_solid),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

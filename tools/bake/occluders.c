@@ -49,24 +49,81 @@ struct joining {
 	struct occluders *out;
 };
 
-static void shape_solids(struct joining *joining)
+/* Water lies lower than the ground that buildings stand on: under what is built over it one sees through. */
+struct water {
+	GEOSSTRtree *tree;
+	ARRAY(GEOSGeometry *) shapes;
+};
+
+static void list_water(struct joining *joining, const struct city *city, struct water *out)
+{
+	GEOSContextHandle_t geos = joining->shaper.geos;
+	out->tree = GEOSSTRtree_create_r(geos, 8);
+	for (size_t i = 0; i < city->areas.count; i++) {
+		if (city->areas.items[i].kind != AREA_WATER)
+			continue;
+		GEOSGeometry *shape = shape_to_geos(&joining->shaper, &city->areas.items[i].shape);
+		if (!shape)
+			continue;
+		ARRAY_PUSH(&out->shapes, shape);
+		GEOSSTRtree_insert_r(geos, out->tree, shape, shape);
+	}
+}
+
+static void finish_water(const struct joining *joining, struct water *water)
+{
+	GEOSSTRtree_destroy_r(joining->shaper.geos, water->tree);
+	for (size_t i = 0; i < water->shapes.count; i++)
+		GEOSGeom_destroy_r(joining->shaper.geos, water->shapes.items[i]);
+	ARRAY_FINISH(&water->shapes);
+}
+
+struct drying {
+	GEOSContextHandle_t geos;
+	GEOSGeometry *shape; /* NULL once GEOS has failed */
+};
+
+static void cut_water(void *item, void *context)
+{
+	struct drying *drying = context;
+	if (!drying->shape || GEOSIntersects_r(drying->geos, drying->shape, item) == 0)
+		return;
+	GEOSGeometry *left = GEOSDifference_r(drying->geos, drying->shape, item);
+	GEOSGeom_destroy_r(drying->geos, drying->shape);
+	drying->shape = left;
+}
+
+/* What of a solid stands on land, a touch larger; NULL: nothing, or nothing sound. */
+static GEOSGeometry *shape_of(const struct joining *joining, const struct water *water, const struct solid *solid)
+{
+	GEOSContextHandle_t geos = joining->shaper.geos;
+	GEOSGeometry *shape = shape_to_geos(&joining->shaper, solid->footprint), *out = NULL;
+	struct drying drying = { geos, shape && GEOSisValid_r(geos, shape) == 1 ? GEOSGeom_clone_r(geos, shape) : NULL };
+	if (drying.shape)
+		GEOSSTRtree_query_r(geos, water->tree, shape, cut_water, &drying);
+	if (drying.shape && GEOSisEmpty_r(geos, drying.shape) == 0)
+		out = GEOSBufferWithParams_r(geos, drying.shape, joining->mitre, TOUCH_M);
+	GEOSGeom_destroy_r(geos, drying.shape);
+	GEOSGeom_destroy_r(geos, shape);
+	return out;
+}
+
+static void shape_solids(struct joining *joining, const struct city *city)
 {
 	size_t count = joining->solids.count;
 	joining->shapes = POOL_ARRAY(&joining->pool, GEOSGeometry *, count);
 	joining->parent = POOL_ARRAY(&joining->pool, uint32_t, count);
 	joining->top_m = POOL_ARRAY(&joining->pool, double, count);
-	GEOSContextHandle_t geos = joining->shaper.geos;
+	struct water water = { 0 };
+	list_water(joining, city, &water);
 	for (size_t i = 0; i < count; i++) {
-		joining->parent[i] = NONE;
-		joining->top_m[i] = joining->solids.items[i].top_m;
 		const struct solid *solid = &joining->solids.items[i];
-		if (solid->top_m < solid->ground_m + LEAST_TOP_M)
-			continue;
-		GEOSGeometry *shape = shape_to_geos(&joining->shaper, solid->footprint);
-		if (shape && GEOSisValid_r(geos, shape) == 1)
-			joining->shapes[i] = GEOSBufferWithParams_r(geos, shape, joining->mitre, TOUCH_M);
-		GEOSGeom_destroy_r(geos, shape);
+		joining->parent[i] = NONE;
+		joining->top_m[i] = solid->top_m;
+		if (solid->top_m >= solid->ground_m + LEAST_TOP_M)
+			joining->shapes[i] = shape_of(joining, &water, solid);
 	}
+	finish_water(joining, &water);
 }
 
 struct touch_search {
@@ -260,7 +317,7 @@ void occluders_build(const struct city *city, struct occluders *out)
 	GEOSBufferParams_setJoinStyle_r(geos, joining.mitre, GEOSBUF_JOIN_MITRE);
 	GEOSBufferParams_setMitreLimit_r(geos, joining.mitre, 3.0);
 	solids_list(city, &joining.solids);
-	shape_solids(&joining);
+	shape_solids(&joining, city);
 	find_touching(&joining);
 	join_all(&joining);
 	for (size_t i = 0; i < joining.solids.count; i++)

@@ -7,7 +7,7 @@
 #include "tools/bake/buildings.h"
 
 #define PARAPET_M 0.75    /* a flat roof may lie so much lower than the walls around it */
-#define TUNNEL_SIDE_M 2.0 /* of a tube beside its carriageway */
+#define TUNNEL_SIDE_M 2.0 /* of a tube beside its carriageway; of a stream's bed beside it */
 
 typedef ARRAY(struct segment) segment_array;
 
@@ -39,6 +39,13 @@ static bool crosses(struct dvec2 a, struct dvec2 b, struct dvec2 p, struct dvec2
 		   (dvec2_cross(pq, dvec2_sub(a, p)) > 0.0) != (dvec2_cross(pq, dvec2_sub(b, p)) > 0.0);
 }
 
+/* Tunnels, and watercourses that are drawn from their lines: owners are ways, then lines. */
+static double tube_width(const struct city *city, uint32_t owner)
+{
+	size_t ways = city->ways.count;
+	return owner < ways ? city->ways.items[owner].width_m : city->lines.items[owner - ways].width_m;
+}
+
 struct tube_search {
 	const struct city *city;
 	const struct polygon *footprint;
@@ -49,7 +56,7 @@ static void visit_tube(void *context, const struct segment *tube)
 {
 	struct tube_search *search = context;
 	const struct ring *ring = &search->footprint->outer;
-	double reach = search->city->ways.items[tube->owner].width_m / 2.0 + TUNNEL_SIDE_M;
+	double reach = tube_width(search->city, tube->owner) / 2.0 + TUNNEL_SIDE_M;
 	search->found |= polygon_contains(search->footprint, tube->a);
 	for (size_t i = 0, j = ring->count - 1; i < ring->count && !search->found; j = i++) {
 		struct dvec2 p = ring->points[j], q = ring->points[i];
@@ -58,7 +65,8 @@ static void visit_tube(void *context, const struct segment *tube)
 	}
 }
 
-/* What stands over a tunnel is no column down to the ground: one sees along the tunnel under it. */
+/* What stands over a tunnel is no column down to the ground: one sees along the tunnel under it. Nor is what stands
+ * over a stream. */
 static bool over_tunnel(const struct city *city, const struct segment_grid *tubes, const struct polygon *footprint)
 {
 	struct tube_search search = { city, footprint, false };
@@ -120,6 +128,13 @@ static void list_tubes(const struct city *city, struct segment_grid *grid, segme
 		const struct way *way = &city->ways.items[i];
 		for (size_t k = 0; (way->tunnel || way->layer < 0) && k + 1 < way->node_count; k++)
 			ARRAY_PUSH(tubes, (struct segment){ way->nodes[k].at, way->nodes[k + 1].at, (uint32_t)i });
+	}
+	for (size_t i = 0; i < city->lines.count; i++) {
+		const struct line *line = &city->lines.items[i];
+		bool open = (line->kind == LINE_RIVER || line->kind == LINE_STREAM) && !line->tunnel;
+		for (size_t k = 0; open && k + 1 < line->count; k++)
+			ARRAY_PUSH(
+				tubes, (struct segment){ line->points[k], line->points[k + 1], (uint32_t)(city->ways.count + i) });
 	}
 	segment_grid_build(grid, tubes->items, tubes->count, 32.0);
 }

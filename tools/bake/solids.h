@@ -15,7 +15,7 @@ struct solid {
 typedef ARRAY(struct solid) solid_array;
 
 /* Appends them, by id. Left out: roofs on posts, what does not start at the ground (but where it goes on above an arch,
- * what is beside the arch counts up to the eaves), what stands over a tunnel. */
+ * what is beside the arch counts up to the eaves), what stands over a tunnel or a stream. */
 void solids_list(const struct city *city, solid_array *out);
 
 #endif

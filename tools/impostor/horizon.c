@@ -208,6 +208,8 @@ static bool turns_left(const struct outline_walk *walk, uint32_t i)
 
 void horizon_add_outline(struct horizon *horizon, const struct dvec2 *points, uint32_t count, double top)
 {
+	if (count < 3)
+		return;
 	/* From above one looks over the wall in front: the one behind hides more. */
 	struct outline_walk walk = { points, count, top >= 0.0 };
 	uint32_t start = 0;

@@ -87,17 +87,11 @@ void triangle_set_combine(const struct triangle_set *a, const struct triangle_se
 	assert(out != a && out != b);
 	triangle_set_clear(out);
 	for (size_t i = 0, j = 0; i < a->items.count || j < b->items.count;) {
-		const struct triangle_set_item *left = i < a->items.count ? &a->items.items[i] : NULL;
-		const struct triangle_set_item *right = j < b->items.count ? &b->items.items[j] : NULL;
-		if (left && right && left->object != right->object) {
-			if (left->object < right->object)
-				right = NULL;
-			else
-				left = NULL;
-		}
-		i += left != NULL;
-		j += right != NULL;
-		uint32_t object = left ? left->object : right->object;
+		uint32_t next_a = i < a->items.count ? a->items.items[i].object : PKG_NONE;
+		uint32_t next_b = j < b->items.count ? b->items.items[j].object : PKG_NONE;
+		uint32_t object = next_a < next_b ? next_a : next_b;
+		const struct triangle_set_item *left = next_a == object ? &a->items.items[i++] : NULL;
+		const struct triangle_set_item *right = next_b == object ? &b->items.items[j++] : NULL;
 		uint64_t *words = triangle_set_add(out, pkg, object);
 		for (uint32_t k = 0; k < word_count(pkg, object); k++)
 			words[k] = combine_words(left ? a->words.items[left->first_word + k] : 0,
