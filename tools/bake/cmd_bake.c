@@ -472,22 +472,19 @@ static int bake_far(const struct bake_options *options, const char *base)
 /* From map data: the package without far field waits beside the units, so that the output is replaced only once. */
 static int bake_both(const struct bake_options *options)
 {
-	char base[PATH_MAX];
-	if (far_units_folder(&options->far, options->output, base))
+	char folder[PATH_MAX], base[PATH_MAX];
+	if (far_units_folder(&options->far, options->output, folder))
 		return EXIT_FAILED;
-	if (strlen(base) + sizeof("/base.blvd") > sizeof(base)) {
-		log_error("%s: the name is too long", base);
+	if (snprintf(base, sizeof(base), "%s/base.blvd", folder) >= (int)sizeof(base)) {
+		log_error("%s: the name is too long", folder);
 		return EXIT_FAILED;
 	}
-	strcat(base, "/base.blvd");
 	int status = bake_base(options, base);
 	if (status == EXIT_DONE)
 		status = bake_far(options, base);
 	unlink(base);
-	if (!options->far.units) {
-		*strrchr(base, '/') = 0;
-		rmdir(base); /* stays while it holds units of a bake that did not end */
-	}
+	if (!options->far.units)
+		rmdir(folder); /* stays while it holds units of a bake that did not end */
 	return status;
 }
 

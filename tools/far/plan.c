@@ -56,22 +56,20 @@ static void keep_selected(struct far_plan *plan, const uint8_t *edges)
 	plan->first.items[edge_count] = kept;
 	plan->stretches.count = kept;
 	ARRAY_PUSH(&plan->unit_first, kept);
-	ARRAY_RESERVE(&plan->levels, kept + 1);
-	memset(plan->levels.items, 0, kept + 1);
-	plan->levels.count = kept;
+	for (uint32_t i = 0; i < kept; i++)
+		ARRAY_PUSH(&plan->levels, 0);
 }
 
 int far_plan_make(struct far_plan *plan, const struct pkg *pkg, const struct far_options *options)
 {
 	*plan = (struct far_plan){ 0 };
-	ARRAY(uint8_t) edges = { 0 };
+	struct pool pool = { 0 };
+	uint8_t *edges = POOL_ARRAY(&pool, uint8_t, pkg->graph.edge_count + 1);
 	stretches_cut(&pkg->graph, &options->stretches, &plan->stretches, &plan->first);
 	plan->cut_count = (uint32_t)plan->stretches.count;
-	ARRAY_RESERVE(&edges, pkg->graph.edge_count + 1);
-	memset(edges.items, 0, pkg->graph.edge_count + 1);
-	int err = select_edges(pkg, &plan->stretches, options->selection, edges.items);
+	int err = select_edges(pkg, &plan->stretches, options->selection, edges);
 	if (!err)
-		keep_selected(plan, edges.items);
-	ARRAY_FINISH(&edges);
+		keep_selected(plan, edges);
+	pool_finish(&pool);
 	return err;
 }

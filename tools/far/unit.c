@@ -55,7 +55,8 @@ void unit_close(struct unit_file *unit)
 	*unit = (struct unit_file){ 0 };
 }
 
-static void pack(byte_array *out, uint64_t hash, const struct baked_stretch *baked, uint32_t count)
+/* Into memory of `size` bytes. */
+static uint8_t *pack(struct pool *pool, uint64_t hash, const struct baked_stretch *baked, uint32_t count, size_t *size)
 {
 	struct unit_record records[UNIT_STRETCHES] = { 0 };
 	size_t before = sizeof(struct unit_head) + count * sizeof(records[0]), at = 0;
@@ -66,41 +67,46 @@ static void pack(byte_array *out, uint64_t hash, const struct baked_stretch *bak
 			.bytes = baked[i].bytes.count };
 		at = (at + baked[i].bytes.count + PKG_BLOB_ALIGN - 1) / PKG_BLOB_ALIGN * PKG_BLOB_ALIGN;
 	}
-	ARRAY_RESERVE(out, before + at);
-	memset(out->items, 0, before + at);
-	out->count = before + at;
-	memcpy(out->items + sizeof(struct unit_head), records, count * sizeof(records[0]));
+	*size = before + at;
+	uint8_t *out = pool_alloc(pool, *size);
+	memcpy(out + sizeof(struct unit_head), records, count * sizeof(records[0]));
 	for (uint32_t i = 0; i < count; i++)
 		if (baked[i].bytes.count)
-			memcpy(out->items + before + records[i].first_byte, baked[i].bytes.items, baked[i].bytes.count);
+			memcpy(out + before + records[i].first_byte, baked[i].bytes.items, baked[i].bytes.count);
 	struct unit_head head = { .magic = MAGIC, .count = count, .hash = hash, .bytes = at };
-	head.crc32 = (uint32_t)crc32(0, out->items + sizeof(head), (uInt)(out->count - sizeof(head)));
-	memcpy(out->items, &head, sizeof(head));
+	head.crc32 = (uint32_t)crc32(0, out + sizeof(head), (uInt)(*size - sizeof(head)));
+	memcpy(out, &head, sizeof(head));
+	return out;
+}
+
+static int write_part(const char *part, const uint8_t *bytes, size_t size)
+{
+	FILE *file = fopen(part, "wb");
+	if (!file)
+		return -errno;
+	errno = 0;
+	bool written = fwrite(bytes, 1, size, file) == size && !fflush(file);
+	int err = written ? 0 : errno ? -errno : -EIO;
+	return fclose(file) && !err ? -errno : err;
 }
 
 int unit_write(const char *folder, uint64_t hash, const struct baked_stretch *baked, uint32_t count)
 {
 	char path[PATH_MAX], part[PATH_MAX], suffix[24];
-	byte_array bytes = { 0 };
+	struct pool pool = { 0 };
+	size_t size;
 	snprintf(suffix, sizeof(suffix), ".%ld.part", (long)getpid());
 	int err = name_of(path, folder, hash, "");
 	err = err ? err : name_of(part, folder, hash, suffix);
-	FILE *file = NULL;
-	if (!err && !(file = fopen(part, "wb")))
-		err = -errno;
 	if (!err) {
-		pack(&bytes, hash, baked, count);
-		errno = 0;
-		bool written = fwrite(bytes.items, 1, bytes.count, file) == bytes.count && !fflush(file);
-		err = written ? 0 : errno ? -errno : -EIO;
-		if (fclose(file) && !err)
-			err = -errno;
+		const uint8_t *bytes = pack(&pool, hash, baked, count, &size);
+		err = write_part(part, bytes, size);
 		if (!err && rename(part, path))
 			err = -errno;
 		if (err)
 			unlink(part);
 	}
-	ARRAY_FINISH(&bytes);
+	pool_finish(&pool);
 	if (err)
 		log_error("%s: cannot write a unit: %s", folder, strerror(-err));
 	return err;

@@ -295,7 +295,7 @@ static uint32_t split_mm(const struct cell_baker *baker)
 	for (size_t i = 0; i < baker->capture_count; i++) {
 		const struct impostor_capture *capture = &baker->captures[i];
 		size_t pixels = (size_t)capture->image.view.width * capture->image.view.height;
-		if (memcmp(&capture->image.view.eye, &baker->captures[0].image.view.eye, sizeof(struct dvec3)) != 0)
+		if (!same_eye(&capture->image.view.eye, &baker->captures[0].image.view.eye))
 			break;
 		for (size_t k = 0; k < pixels; k++)
 			if (capture->wanted[k])

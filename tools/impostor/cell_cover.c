@@ -101,11 +101,6 @@ static size_t grid_bytes(const struct cell_looks *looks)
 	return most;
 }
 
-static bool same_eye(const struct dvec3 *a, const struct dvec3 *b)
-{
-	return a->x == b->x && a->y == b->y && a->z == b->z;
-}
-
 bool cover_next(cover_array *points, const struct cell_looks *looks, size_t at_most, struct dvec3 *eye)
 {
 	struct pool pool = { 0 };
@@ -178,8 +173,9 @@ void cover_wanted(const cover_array *points, const struct cell_looks *looks, con
 			continue;
 		int low_x = (int)fmax(x - radius_px, 0.0), high_x = (int)fmin(x + radius_px, width - 1);
 		int low_y = (int)fmax(y - radius_px, 0.0), high_y = (int)fmin(y + radius_px, height - 1);
-		for (int row = low_y; row <= high_y && low_x <= high_x; row++)
-			memset(wanted + (size_t)row * (size_t)width + (size_t)low_x, 1, (size_t)(high_x - low_x + 1));
+		size_t across = high_x >= low_x ? (size_t)high_x - (size_t)low_x + 1 : 0;
+		for (int row = low_y; row <= high_y; row++)
+			memset(wanted + (size_t)row * (size_t)width + (size_t)low_x, 1, across);
 	}
 	for (size_t i = 0; i < (size_t)width * (size_t)height; i++)
 		wanted[i] = wanted[i] && image->pixels[i].object;

@@ -151,25 +151,24 @@ int cell_looks_draw(struct cell_looks *looks, struct capturer *capturer, const s
 void cell_looks_seen(
 	struct cell_looks *looks, const struct pkg *pkg, const struct triangle_set *set, struct triangle_set *out)
 {
-	ARRAY(uint8_t) seen = { 0 };
-	ARRAY_RESERVE(&seen, set->items.count + 1);
-	memset(seen.items, 0, set->items.count + 1);
+	struct pool pool = { 0 };
+	uint8_t *seen = POOL_ARRAY(&pool, uint8_t, set->items.count + 1);
 	cell_looks_mark(looks, pkg, set, true);
 	for (size_t i = 0; i < looks->count; i++) {
 		const struct capture_image *image = &looks->images.items[i];
 		size_t pixels = (size_t)image->view.width * image->view.height;
 		for (size_t k = 0; k < pixels; k++)
-			seen.items[cell_looks_item(looks, set, &image->pixels[k])] = 1;
+			seen[cell_looks_item(looks, set, &image->pixels[k])] = 1;
 	}
 	cell_looks_mark(looks, pkg, set, false);
 	triangle_set_clear(out);
 	for (size_t i = 0; i < set->items.count; i++) {
 		const struct triangle_set_item *item = &set->items.items[i];
 		size_t words = (triangle_set_object_size(&pkg->objects[item->object]) + 63) / 64;
-		if (seen.items[i + 1])
+		if (seen[i + 1])
 			memcpy(triangle_set_add(out, pkg, item->object), &set->words.items[item->first_word],
 				words * sizeof(uint64_t));
 	}
 	triangle_set_tidy(out, pkg);
-	ARRAY_FINISH(&seen);
+	pool_finish(&pool);
 }

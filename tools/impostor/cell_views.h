@@ -16,6 +16,11 @@ struct cell_pose {
 };
 struct dvec3 cell_eye(const struct view_cell *cell, const struct cell_pose *pose);
 
+static inline bool same_eye(const struct dvec3 *a, const struct dvec3 *b)
+{
+	return a->x == b->x && a->y == b->y && a->z == b->z;
+}
+
 /* Horizontal unit vector from start to end. */
 struct dvec3 cell_axis(const struct view_cell *cell);
 

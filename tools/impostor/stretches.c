@@ -119,10 +119,10 @@ static void find_runs(const struct line *line, places *cuts)
 {
 	static const struct limits limits = { STRAY_M, TURN_DEG * BLVD_PI / 180.0, BUMP_M };
 	const double *along = line->along.items;
-	size_t last = line->points.count - 1;
+	size_t last = line->points.count ? line->points.count - 1 : 0;
 	cuts->count = 0;
 	ARRAY_PUSH(cuts, 0.0);
-	for (size_t from = 0; from < last;) {
+	for (size_t from = 0; along && from < last;) {
 		size_t to = from + 1;
 		while (to < last && to - from < RUN_POINTS && keeps(line, along[from], along[to + 1], &limits))
 			to++;

@@ -81,7 +81,7 @@ static struct image draw_wire(struct pool *pool, const struct pkg_stretch *stret
 	for (uint32_t i = 0; i + 2 < impostor->head.index_count; i += 3) {
 		struct dvec2 at[3];
 		double z = 1.0;
-		const struct pkg_impostor_vertex *vertex = NULL;
+		const struct pkg_impostor_vertex *vertex = &impostor->vertices[impostor->indices[i]];
 		for (int k = 0; k < 3 && z > 0.5; k++) {
 			vertex = &impostor->vertices[impostor->indices[i + (uint32_t)k]];
 			struct dvec3 point = { (vertex->pos_mm[0] + (double)cell->origin_mm[0]) * 1e-3,
