@@ -53,6 +53,7 @@ enum {
 	OPT_INTERIOR,
 	OPT_UNITS,
 	OPT_BUDGET,
+	OPT_TEXELS,
 };
 
 static const struct argp_option option_table[] = {
@@ -70,6 +71,7 @@ static const struct argp_option option_table[] = {
 	{ NULL, 0, NULL, 0, "The far field:", 1 },
 	{ "far", OPT_FAR, "none|pvs|impostor|all", 0, "what stands for the distance; default none", 1 },
 	{ "tau", OPT_TAU, "PX", 0, "accuracy: the largest displacement, 1/16 to 64; default 1", 1 },
+	{ "texels", OPT_TEXELS, "F", 0, "texels of an impostor a pixel of the screen, 0.25 to 2; default 1", 1 },
 	{ "near", OPT_NEAR, "M", 0, "what is nearer to the street is drawn as it is; 40 to 2000, default 300", 1 },
 	{ "eye", OPT_EYE, "MIN,MAX", 0, "heights of the eye above the street; default 1.2,4", 1 },
 	{ "budget", OPT_BUDGET, "MIB", 0, "what may be resident at once; accuracy gives way to it; default no limit", 1 },
@@ -140,6 +142,9 @@ static error_t parse_far_option(int key, char *value, struct argp_state *state)
 		return 0;
 	case OPT_TAU:
 		far->cells.tau_px = parse_number(value, 0.0625, 64.0, "--tau", state);
+		return 0;
+	case OPT_TEXELS:
+		far->cells.texels_per_px = parse_number(value, 0.25, 2.0, "--texels", state);
 		return 0;
 	case OPT_NEAR:
 		far->stretches.near_m = parse_number(value, 40.0, 2000.0, "--near", state);
