@@ -414,13 +414,8 @@ static void prepare_frame(struct renderer *renderer, const struct camera_pose *p
 
 void renderer_draw(struct renderer *renderer, const struct nav_view *nav, const struct renderer_time *time)
 {
-	renderer_draw_from(renderer, nav, renderer_follow(renderer, nav), time);
-}
-
-const struct camera_pose *renderer_follow(struct renderer *renderer, const struct nav_view *nav)
-{
 	camera_follow(&renderer->camera, nav, &renderer->obstacles);
-	return &renderer->camera.pose;
+	renderer_draw_from(renderer, nav, &renderer->camera.pose, time);
 }
 
 void renderer_draw_from(struct renderer *renderer, const struct nav_view *nav, const struct camera_pose *pose,

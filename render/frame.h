@@ -78,9 +78,7 @@ struct renderer_time {
 };
 void renderer_draw(struct renderer *renderer, const struct nav_view *nav, const struct renderer_time *time);
 
-/* The same in two steps, so that several renderers can be compared on one renderer's poses: the camera's motion to
- * nav->time_ns, whose pose stays valid until the next call; and the drawing from any pose. */
-const struct camera_pose *renderer_follow(struct renderer *renderer, const struct nav_view *nav);
+/* The same from an eye of the caller's choosing: for renderers that are compared on the same poses. */
 void renderer_draw_from(struct renderer *renderer, const struct nav_view *nav, const struct camera_pose *pose,
 	const struct renderer_time *time);
 

@@ -93,9 +93,10 @@ static void mark_y(const struct plot *plot, double y)
 
 static void mark_log(const struct plot *plot)
 {
-	static const double digits[] = { 1.0, 2.0, 5.0 };
+	static const double digits[] = { 1.0, 2.0, 5.0, 3.0, 7.0 };
+	size_t count = plot->x_max < 12.0 * plot->x_min ? 5 : 3;
 	for (double power = pow(10.0, floor(log10(plot->x_min))); power <= plot->x_max; power *= 10.0)
-		for (size_t i = 0; i < sizeof(digits) / sizeof(digits[0]); i++)
+		for (size_t i = 0; i < count; i++)
 			if (digits[i] * power >= plot->x_min && digits[i] * power <= plot->x_max)
 				mark_x(plot, digits[i] * power);
 }
@@ -126,8 +127,8 @@ void plot_dot(const struct plot *plot, double x, double y, unsigned series, bool
 	bool left = at_x > WIDTH - 110.0;
 	fprintf(plot->to, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"5\" fill=\"%s\" stroke=\"%s\" stroke-width=\"2\"/>", at_x,
 		at_y, filled ? plot_colour(series) : "#ffffff", plot_colour(series));
-	fprintf(plot->to, "<text x=\"%.1f\" y=\"%.1f\" class=\"%s\">", at_x + (left ? -9.0 : 9.0), at_y - 6.0,
-		left ? "y" : "n");
+	fprintf(plot->to, "<text x=\"%.1f\" y=\"%.1f\" class=\"%s\">", at_x + (left ? -9.0 : 9.0),
+		at_y - 6.0 - 13.0 * (series % 4), left ? "y" : "n"); /* one above the other where dots are close */
 	html_text(plot->to, name);
 	fputs("</text>\n", plot->to);
 }

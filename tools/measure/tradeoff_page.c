@@ -164,27 +164,43 @@ static void write_scatter(const struct tradeoff *tradeoff, FILE *to, const struc
 	fputs("</figure>\n", to);
 }
 
-static void write_frame_times(const struct tradeoff *tradeoff, FILE *to)
+static double row_ms(const struct trial_row *row)
+{
+	return row->cpu_ms;
+}
+static double row_popping(const struct trial_row *row)
+{
+	return row->popping.rms;
+}
+
+struct series {
+	const char *title, *y_label;
+	double (*value)(const struct trial_row *row);
+	uint32_t first; /* representation */
+};
+
+/* The first run, frame by frame. */
+static void write_frames(const struct tradeoff *tradeoff, FILE *to, const struct series *series)
 {
 	const struct trial_result *trial = &tradeoff->runs.items[0].trial;
-	struct plot plot = { .to = to, .x_label = "frame", .y_label = "CPU ms" };
-	for (uint32_t k = 0; k < trial->count; k++) {
+	struct plot plot = { .to = to, .x_label = "frame", .y_label = series->y_label };
+	for (uint32_t k = series->first; k < trial->count; k++) {
 		for (size_t i = 0; i < trial->rows[k].rows.count; i++) {
-			plot.y_max = fmax(plot.y_max, trial->rows[k].rows.items[i].cpu_ms);
+			plot.y_max = fmax(plot.y_max, series->value(&trial->rows[k].rows.items[i]));
 			plot.x_max = fmax(plot.x_max, (double)i);
 		}
 	}
 	plot_fit(&plot);
-	fprintf(to, "<figure style=\"width:640px\"><figcaption>Every frame, tau %g:", tradeoff->runs.items[0].tau_px);
-	for (uint32_t k = 0; k < trial->count; k++)
+	fprintf(to, "<figure style=\"width:640px\"><figcaption>%s, tau %g:", series->title, tradeoff->runs.items[0].tau_px);
+	for (uint32_t k = series->first; k < trial->count; k++)
 		fprintf(to, " <span style=\"color:%s\">&#9632;</span> %s", plot_colour(k), trial->entrants[k].name);
 	fputs("</figcaption>\n", to);
 	plot_begin(&plot);
-	for (uint32_t k = 0; k < trial->count; k++) {
+	for (uint32_t k = series->first; k < trial->count; k++) {
 		ARRAY(double) x = { 0 }, y = { 0 };
 		for (size_t i = 0; i < trial->rows[k].rows.count; i++) {
 			ARRAY_PUSH(&x, trial->rows[k].rows.items[i].frame);
-			ARRAY_PUSH(&y, trial->rows[k].rows.items[i].cpu_ms);
+			ARRAY_PUSH(&y, series->value(&trial->rows[k].rows.items[i]));
 		}
 		plot_line(&plot, x.items, y.items, x.count, k, false);
 		ARRAY_FINISH(&x);
@@ -206,7 +222,8 @@ static void write_plots(const struct tradeoff *tradeoff, FILE *to)
 	fputs("<h2>Plots</h2>\n", to);
 	for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++)
 		write_scatter(tradeoff, to, &all[i]);
-	write_frame_times(tradeoff, to);
+	write_frames(tradeoff, to, &(struct series){ "Time of every frame", "CPU ms", row_ms, 0 });
+	write_frames(tradeoff, to, &(struct series){ "Popping", "change of the error, L* rms", row_popping, 1 });
 }
 
 static void write_choice(const struct tradeoff *tradeoff, FILE *to, const char *wish, const struct setting *setting)

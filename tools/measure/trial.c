@@ -17,12 +17,19 @@
 #define WARM_FRAMES 10u /* drawn before the first frame of a run that goes on */
 #define SETTLING_NS (400 * NS_PER_MS)
 
+/* When a representation last changed its cell. */
+struct cell_watch {
+	uint64_t entered;
+	int64_t changed_ns;
+};
+
 struct trial {
 	const struct trial_config *config;
 	struct pkg pkg;
 	ARRAY(struct replay_frame) drive;
 	uint32_t frames; /* to be drawn */
 	struct entrant entrants[TRIAL_ENTRANTS_MAX];
+	struct cell_watch watches[TRIAL_ENTRANTS_MAX];
 	bool open;
 	uint32_t last_drawn; /* frame; drive.count: none */
 	struct trial_result *out;
@@ -156,7 +163,8 @@ static bool same_cell(const struct pkg *pkg, const struct nav_view *a, const str
 	return stretch == stretch_of(pkg, b) && (stretch == PKG_NONE || (a->half & 1) == (b->half & 1));
 }
 
-static enum trial_place place_of(const struct trial *trial, uint32_t number)
+/* By the street alone, for representations that know no cells. */
+static enum trial_place place_on_street(const struct trial *trial, uint32_t number)
 {
 	const struct replay_frame *frames = trial->drive.items;
 	const struct replay_frame *now = &frames[number];
@@ -166,6 +174,23 @@ static enum trial_place place_of(const struct trial *trial, uint32_t number)
 		if (!same_cell(&trial->pkg, &frames[i].nav, &frames[i - 1].nav))
 			return i == number ? TRIAL_CHANGE : TRIAL_SETTLING;
 	return TRIAL_INSIDE;
+}
+
+/* After the frame has been drawn. */
+static enum trial_place place_of(
+	struct trial *trial, uint32_t number, uint32_t which, const struct renderer_stats *stats)
+{
+	struct cell_watch *watch = &trial->watches[which];
+	int64_t now_ns = trial->drive.items[number].nav.time_ns;
+	bool changed = stats->far_entered != watch->entered;
+	watch->entered = stats->far_entered;
+	if (!stats->far_entered)
+		return place_on_street(trial, number);
+	if (changed)
+		watch->changed_ns = now_ns;
+	if (stats->far_fallback)
+		return TRIAL_OFF;
+	return changed ? TRIAL_CHANGE : now_ns - watch->changed_ns <= SETTLING_NS ? TRIAL_SETTLING : TRIAL_INSIDE;
 }
 
 /* --- entrants --- */
@@ -247,6 +272,9 @@ static int warm_up(struct trial *trial, uint32_t first)
 		status = draw_all(trial, number);
 		for (uint32_t i = 0; i < c->count && !status; i++) {
 			struct popping_frame ignored;
+			struct renderer_stats stats;
+			renderer_stats(trial->entrants[i].renderer, &stats);
+			place_of(trial, number, i, &stats);
 			popping_add(
 				&trial->entrants[i].popping, trial->entrants[0].lightness, trial->entrants[i].lightness, &ignored);
 		}
@@ -269,7 +297,7 @@ static struct trial_row row_of(struct trial *trial, uint32_t number, uint32_t wh
 		.frame = number,
 		.half = nav->located ? nav->half : PKG_NONE,
 		.stretch = stretch_of(&trial->pkg, nav),
-		.place = place_of(trial, number),
+		.place = place_of(trial, number, which, &stats),
 		.triangles = stats.triangles,
 		.far_triangles = stats.far_triangles,
 		.draws = stats.draws,

@@ -10,7 +10,7 @@
 #include "tools/measure/popping.h"
 
 enum trial_place {
-	TRIAL_OFF,     /* on no stretch: the package has none here, or the car is off its streets */
+	TRIAL_OFF,     /* in no cell: the package has none here, the car is off its streets, or something stood in */
 	TRIAL_INSIDE,  /* in the same cell as in the frame before */
 	TRIAL_CHANGE,  /* the first frame in another cell */
 	TRIAL_SETTLING /* soon after: the dissolve */
