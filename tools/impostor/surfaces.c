@@ -15,6 +15,7 @@
 #define SMALL_PX 64
 #define NORMALS_DOT 0.9f
 #define PIECE_TRIES 32  /* neighbours of a piece that are looked at */
+#define HOST_SHARE 0.5  /* of a guest's disparity: the least that its host's plane may have there */
 #define STALE_SLACK 1.1 /* a border that got this much worse since it was queued goes back in the queue */
 
 struct candidate {
@@ -262,6 +263,16 @@ struct host {
 	double error;
 };
 
+/* Is the plane well on this side of its horizon at a region's pixels? A guest beyond it would bend the whole host,
+ * whose vertices have to have a depth. */
+static bool is_ahead(const struct plane_fit *fit, const struct plane *plane)
+{
+	for (int i = 0; i < PLANE_FIT_SAMPLES; i++)
+		if (plane_at(plane, fit->samples[i].x, fit->samples[i].y) < HOST_SHARE * (double)fit->samples[i].w)
+			return false;
+	return true;
+}
+
 static void swallow(struct merger *merger, const struct surfaces_input *input, uint64_t owned)
 {
 	ARRAY(struct small) smalls = { 0 };
@@ -300,7 +311,7 @@ static void swallow(struct merger *merger, const struct surfaces_input *input, u
 				continue;
 			struct plane plane = plane_fit_solve(&merger->seeds.fits.items[other]);
 			double error = plane_fit_error(fit, &plane);
-			if (error < host.error)
+			if (error < host.error && is_ahead(fit, &plane))
 				host = (struct host){ other, error };
 		}
 		if (host.region == UINT32_MAX || (host.error > 1 && fit->pixels > allowance))
