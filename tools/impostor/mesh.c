@@ -16,6 +16,7 @@
 #define JOIN_SHARE 0.2
 #define GUARD_PX 3
 #define CLOSE_PX 6
+#define REACH_PX 8
 #define PRICE_PX2 80.0
 #define INNER_PX 1.0
 #define SWALLOW_PX 16
@@ -119,6 +120,7 @@ static void mesh_once(struct meshing *meshing, double factor, uint8_t view, stru
 		.open_below = meshing->open_below,
 		.options = { .guard_px = GUARD_PX,
 			.close_px = CLOSE_PX,
+			.reach_px = REACH_PX,
 			.price_px2 = PRICE_PX2 * coarse,
 			.inner_px = INNER_PX * sqrt(coarse),
 			.view = view } };
