@@ -253,6 +253,23 @@ static void a_bound_on_triangles_is_kept(void **state)
 	}
 }
 
+static void a_regular_grid_takes_more_for_less(void **state)
+{
+	(void)state;
+	ray_canyon(&scene, 150);
+	struct view_cell cell = ray_cell(40);
+	struct capture_view view = ray_view(0, 0, 2.5, 869, 512, 256);
+	struct impostor_options options = options_of(1);
+	struct made planes = make("planes", ray_capture(&scene, &view), &cell, &options);
+	options.interior = IMPOSTOR_GRID;
+	struct made grid = make("grid", ray_capture(&scene, &view), &cell, &options);
+	assert_int_equal(bare_pixels(&grid), 0);
+	assert_true(grid.triangles > planes.triangles);
+	assert_true(grid.mesh.over_share > planes.mesh.over_share);
+	unmake(&planes);
+	unmake(&grid);
+}
+
 static void sizes_from_64_to_2048(void **state)
 {
 	(void)state;
@@ -298,6 +315,7 @@ int main(void)
 		cmocka_unit_test(noise_ends),
 		cmocka_unit_test(tau_decides_how_many_triangles),
 		cmocka_unit_test(a_bound_on_triangles_is_kept),
+		cmocka_unit_test(a_regular_grid_takes_more_for_less),
 		cmocka_unit_test(sizes_from_64_to_2048),
 		cmocka_unit_test(the_same_image_gives_the_same_mesh),
 	};

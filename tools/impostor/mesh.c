@@ -19,6 +19,10 @@
 #define REACH_PX 8
 #define PRICE_PX2 80.0
 #define INNER_PX 1.0
+/* Of the regular grid: its contours keep nearer to the pixels, whose disparities they take. */
+#define GRID_PX 16
+#define GRID_REACH_PX 2
+#define GRID_PRICE_PX2 4.0
 #define SWALLOW_PX 16
 #define SWALLOW_SHARE 0.004
 /* With too many triangles, tau grows by the excess to this power, within these bounds, from one try to the next. */
@@ -96,21 +100,45 @@ static void scale_tolerances(struct meshing *meshing, double factor)
 		meshing->scaled[i] = meshing->tolerance[i] * (float)factor;
 }
 
+static struct surfaces_input surfaces_input_of(const struct meshing *meshing, double coarse)
+{
+	return (struct surfaces_input){ .image = &meshing->capture->image,
+		.continuous = meshing->options->interior == IMPOSTOR_GRID,
+		.owned = meshing->owned,
+		.tolerance = meshing->scaled,
+		.gap_px = 2 * CLOSE_PX,
+		.swallow_px = (uint32_t)(SWALLOW_PX * coarse),
+		.swallow_share = SWALLOW_SHARE * coarse * coarse };
+}
+
+static struct sheet_options sheet_options_of(const struct meshing *meshing, double coarse, uint8_t view)
+{
+	const struct impostor_options *options = meshing->options;
+	if (options->interior == IMPOSTOR_GRID)
+		return (struct sheet_options){ .reach_px = GRID_REACH_PX,
+			.price_px2 = GRID_PRICE_PX2 * coarse,
+			.grid_px = (uint32_t)((options->grid_px ? options->grid_px : GRID_PX) * coarse),
+			.view = view };
+	return (struct sheet_options){ .guard_px = GUARD_PX,
+		.close_px = CLOSE_PX,
+		.reach_px = REACH_PX,
+		.price_px2 = PRICE_PX2 * coarse,
+		.inner_px = INNER_PX * sqrt(coarse),
+		.view = view };
+}
+
 /* Appends the capture's patches, with tolerances widened by `factor`. */
 static void mesh_once(struct meshing *meshing, double factor, uint8_t view, struct impostor_mesh *mesh)
 {
 	double coarse = fmax(factor, 1);
-	scale_tolerances(meshing, factor * PLANE_SHARE);
+	bool grid = meshing->options->interior == IMPOSTOR_GRID;
+	scale_tolerances(meshing, grid ? factor : factor * PLANE_SHARE);
 	struct surfaces surfaces;
-	surfaces_find(&surfaces, &(struct surfaces_input){ .image = &meshing->capture->image,
-								 .owned = meshing->owned,
-								 .tolerance = meshing->scaled,
-								 .gap_px = 2 * CLOSE_PX,
-								 .swallow_px = (uint32_t)(SWALLOW_PX * coarse),
-								 .swallow_share = SWALLOW_SHARE * coarse * coarse });
+	struct surfaces_input input = surfaces_input_of(meshing, coarse);
+	surfaces_find(&surfaces, &input);
 	struct sheets sheets = { 0 };
 	scale_tolerances(meshing, factor);
-	sheets_find(&sheets, &surfaces, meshing->scaled, JOIN_SHARE);
+	sheets_find(&sheets, &surfaces, meshing->scaled, grid ? -1 : JOIN_SHARE);
 	struct sheet_source source = { .image = &meshing->capture->image,
 		.surfaces = &surfaces,
 		.sheets = &sheets,
@@ -118,12 +146,7 @@ static void mesh_once(struct meshing *meshing, double factor, uint8_t view, stru
 		.displacement = &meshing->displacement,
 		.tau_px = tau_px(meshing->options) * factor,
 		.open_below = meshing->open_below,
-		.options = { .guard_px = GUARD_PX,
-			.close_px = CLOSE_PX,
-			.reach_px = REACH_PX,
-			.price_px2 = PRICE_PX2 * coarse,
-			.inner_px = INNER_PX * sqrt(coarse),
-			.view = view } };
+		.options = sheet_options_of(meshing, coarse, view) };
 	for (uint32_t i = 0; i + 1 < sheets.first.count; i++)
 		sheet_mesh(&meshing->mesher, &source, i, mesh);
 	sheets_finish(&sheets);

@@ -4,6 +4,8 @@
 
 #include "tools/impostor/sheet_mesh.h"
 
+#define NEAREST_PX 4
+
 /* Kept triangles in the order of patches: by surface, then by cell of large ones, then as they are. */
 static void order_triangles(struct sheet_mesher *mesher, const struct sheet_source *source)
 {
@@ -29,6 +31,35 @@ static int by_value(const void *left, const void *right)
 	return (a > b) - (a < b);
 }
 
+/* Disparity of the surface's pixel that is nearest to a point, of those within NEAREST_PX. */
+static double captured_at(const struct sheet_source *source, uint32_t label, double x, double y)
+{
+	const struct surfaces *surfaces = source->surfaces;
+	double best = INFINITY, disparity = sheet_surface(source, label)->least_disparity;
+	for (int64_t row = (int64_t)y - NEAREST_PX; row <= (int64_t)y + NEAREST_PX; row++) {
+		for (int64_t column = (int64_t)x - NEAREST_PX; column <= (int64_t)x + NEAREST_PX; column++) {
+			if (row < 0 || column < 0 || row >= surfaces->height || column >= surfaces->width)
+				continue;
+			size_t pixel = (size_t)row * surfaces->width + (size_t)column;
+			double dx = (double)column + 0.5 - x, dy = (double)row + 0.5 - y;
+			if (surfaces->label[pixel] == label && dx * dx + dy * dy < best) {
+				best = dx * dx + dy * dy;
+				disparity = source->image->pixels[pixel].disparity;
+			}
+		}
+	}
+	return disparity;
+}
+
+static double disparity_at(const struct sheet_source *source, uint32_t label, struct cdt_point point)
+{
+	double x = (double)point.x / MESH_LATTICE, y = (double)point.y / MESH_LATTICE;
+	if (source->options.grid_px)
+		return captured_at(source, label, x, y);
+	const struct surface *surface = sheet_surface(source, label);
+	return fmax(plane_at(&surface->plane, x, y), MESH_LEAST_SHARE * (double)surface->least_disparity);
+}
+
 /* Each point's disparity: the mean of the surfaces that meet there. */
 static void place_points(struct sheet_mesher *mesher, const struct sheet_source *source)
 {
@@ -42,15 +73,12 @@ static void place_points(struct sheet_mesher *mesher, const struct sheet_source 
 	for (size_t i = 0; i < mesher->order.count; i++) {
 		const struct cdt_triangle *triangle = &mesher->cdt.triangles.items[mesher->order.items[i] & 0xfffffff];
 		uint32_t label = (uint32_t)(mesher->order.items[i] >> 38);
-		const struct surface *surface = sheet_surface(source, label);
 		for (int k = 0; k < 3; k++) {
 			uint32_t point = triangle->corner[k];
 			if (mesher->stamp.items[point] == label)
 				continue;
 			mesher->stamp.items[point] = label;
-			struct cdt_point at = mesher->cdt.points.items[point];
-			double w = plane_at(&surface->plane, (double)at.x / MESH_LATTICE, (double)at.y / MESH_LATTICE);
-			mesher->disparity.items[point] += fmax(w, MESH_LEAST_SHARE * (double)surface->least_disparity);
+			mesher->disparity.items[point] += disparity_at(source, label, mesher->cdt.points.items[point]);
 			mesher->sharing.items[point]++;
 		}
 	}
@@ -74,8 +102,8 @@ static void add_texels(const struct sheet_mesher *mesher, const struct sheet_sou
 			enum mesh_texel texel = MESH_SHOW;
 			if (!shown)
 				texel = source->open_below[pixel] ? MESH_FILL : sheet_texel(source, surface, x, y);
-			/* What agrees, but is not the sheet's, is shown by others. */
-			if (!shown && texel == MESH_SHOW)
+			/* What agrees, but is not the sheet's, is shown by others; a grid has no plane to go by. */
+			if (!shown && (texel == MESH_SHOW || source->options.grid_px))
 				texel = MESH_CUT;
 			ARRAY_PUSH(&mesh->texels, (uint8_t)texel);
 		}

@@ -184,7 +184,7 @@ static void add_outer_chain(struct sheet_mesher *mesher, const struct sheet_sour
 	if (loop && is_hole(chain, points) && is_idle_hole(mesher, source))
 		return;
 	const struct surface *surface = sheet_surface(source, chain->left ? chain->left : chain->right);
-	if (surface->least_fitted > 0) {
+	if (surface->least_fitted > 0 && !source->options.grid_px) {
 		clip_hull(mesher, surface, loop);
 		add_polyline(mesher, source, chain, mesher->inner.items, mesher->inner.count, loop);
 	} else {
@@ -232,9 +232,28 @@ static void add_cell_lines(struct sheet_mesher *mesher, const struct sheet_sourc
 	}
 }
 
+/* The regular grid of [S97] 4.2, where the window has a surface. */
+static void add_grid(struct sheet_mesher *mesher, uint32_t grid_px)
+{
+	const struct sheet_window *window = &mesher->window;
+	for (uint32_t y = 0; y < window->height; y++) {
+		for (uint32_t x = 0; x < window->width; x++) {
+			int32_t column = window->x + (int32_t)x, row = window->y + (int32_t)y;
+			if (!window->label.items[(size_t)y * window->width + x] || column < 0 || row < 0 ||
+				(uint32_t)column % grid_px != grid_px / 2 || (uint32_t)row % grid_px != grid_px / 2)
+				continue;
+			struct cdt_point point = { column * MESH_LATTICE + MESH_LATTICE / 2,
+				row * MESH_LATTICE + MESH_LATTICE / 2 };
+			cdt_add_point(&mesher->cdt, point);
+		}
+	}
+}
+
 void sheet_add_segments(struct sheet_mesher *mesher, const struct sheet_source *source, uint32_t sheet)
 {
 	contours_trace(&mesher->contours, mesher->window.label.items, mesher->window.width, mesher->window.height);
 	add_chains(mesher, source);
 	add_cell_lines(mesher, source, sheet);
+	if (source->options.grid_px)
+		add_grid(mesher, source->options.grid_px);
 }

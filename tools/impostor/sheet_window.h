@@ -17,6 +17,7 @@ struct sheet_options {
 	uint32_t reach_px; /* how far outlines may grow beyond what is spread */
 	double price_px2;  /* area that a triangle is worth */
 	double inner_px;   /* by how much borders between surfaces may be off */
+	uint32_t grid_px;  /* not 0: vertices have the capture's disparities, and there is one every so many pixels */
 	uint8_t view;
 };
 /* What all sheets of a capture share. */

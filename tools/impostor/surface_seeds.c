@@ -75,28 +75,49 @@ static bool alike(const struct capture_pixel *a, const struct capture_pixel *b)
 		   a->normal_oct[1] == b->normal_oct[1];
 }
 
+struct linking {
+	const struct surfaces_input *input;
+	struct slopes slopes;
+	uint32_t *parent;
+};
+
+/* Is pixel b, one to the left or one above, on the surface of pixel a? `slope` is of the disparity on the way. */
+static bool is_linked(const struct linking *linking, uint32_t a, uint32_t b, double slope)
+{
+	const struct capture_pixel *pixels = linking->input->image->pixels;
+	double miss = (double)pixels[a].disparity - slope - pixels[b].disparity, tolerance = linking->input->tolerance[a];
+	/* Without a jump: a fold may be anywhere between two pixels, so a slope may begin with the second. */
+	if (linking->input->continuous)
+		return fabs(miss) <= tolerance || fabs(miss + slope) <= tolerance;
+	return fabs(miss) <= LINK_SHARE * tolerance;
+}
+
+static void link_pixel(struct linking *linking, uint32_t x, uint32_t y)
+{
+	const struct surfaces_input *input = linking->input;
+	const struct capture_pixel *pixels = input->image->pixels;
+	uint32_t width = input->image->view.width, i = y * width + x;
+	bool left = x && input->owned[i - 1] && (input->continuous || alike(&pixels[i], &pixels[i - 1]));
+	bool above = y && input->owned[i - width] && (input->continuous || alike(&pixels[i], &pixels[i - width]));
+	if (!left && !above)
+		return;
+	double slope[2];
+	slopes_at(&linking->slopes, &pixels[i], x + 0.5, y + 0.5, slope);
+	if (left && is_linked(linking, i, i - 1, slope[0]))
+		unite(linking->parent, i, i - 1);
+	if (above && is_linked(linking, i, i - width, slope[1]))
+		unite(linking->parent, i, i - width);
+}
+
 static void link_pixels(const struct surfaces_input *input, uint32_t *parent)
 {
 	const struct capture_view *view = &input->image->view;
-	const struct capture_pixel *pixels = input->image->pixels;
-	struct slopes slopes = { .view = view };
+	struct linking linking = { input, { .view = view }, parent };
 	for (uint32_t y = 0, i = 0; y < view->height; y++) {
 		for (uint32_t x = 0; x < view->width; x++, i++) {
 			parent[i] = i;
-			if (!input->owned[i])
-				continue;
-			bool left = x && input->owned[i - 1] && alike(&pixels[i], &pixels[i - 1]);
-			bool above = y && input->owned[i - view->width] && alike(&pixels[i], &pixels[i - view->width]);
-			if (!left && !above)
-				continue;
-			double slope[2], slack = LINK_SHARE * input->tolerance[i];
-			slopes_at(&slopes, &pixels[i], x + 0.5, y + 0.5, slope);
-			double miss_left = left ? (double)pixels[i].disparity - slope[0] - pixels[i - 1].disparity : 0;
-			double miss_above = above ? (double)pixels[i].disparity - slope[1] - pixels[i - view->width].disparity : 0;
-			if (left && fabs(miss_left) <= slack)
-				unite(parent, i, i - 1);
-			if (above && fabs(miss_above) <= slack)
-				unite(parent, i, i - view->width);
+			if (input->owned[i])
+				link_pixel(&linking, x, y);
 		}
 	}
 }
@@ -234,7 +255,8 @@ void surface_seeds_find(struct surface_seeds *seeds, const struct surfaces_input
 			seeds->kinds.items[label[i] - 1] = input->image->pixels[i];
 	sum_up(seeds, input, label, 0);
 	uint32_t *seed_of_square = array_grow(NULL, &(size_t){ 0 }, 2 * ((size_t)width + 1), sizeof(uint32_t));
-	for (uint32_t square = 32; !noise && square && seeds->fits.count < SURFACE_SEEDS_MAX / 2; square /= 2)
+	for (uint32_t square = 32; !noise && !input->continuous && square && seeds->fits.count < SURFACE_SEEDS_MAX / 2;
+		 square /= 2)
 		if (!cut_bent(seeds, input, label, square, seed_of_square))
 			break;
 	array_free(seed_of_square);

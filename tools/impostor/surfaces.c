@@ -357,6 +357,22 @@ static void describe(struct surfaces *surfaces, const struct merger *merger, con
 	}
 }
 
+/* From seeds to regions. */
+static void grow(struct merger *merger, const struct surfaces_input *input, struct surfaces *surfaces, uint64_t owned)
+{
+	size_t count = (size_t)surfaces->width * surfaces->height;
+	borders_find(&merger->borders, surfaces->label, surfaces->width, surfaces->height);
+	try_borders(merger);
+	join_what_fits(merger);
+	relabel(merger, surfaces->label, count);
+	try_pieces(merger, input->gap_px);
+	join_what_fits(merger);
+	relabel(merger, surfaces->label, count);
+	borders_find(&merger->borders, surfaces->label, surfaces->width, surfaces->height);
+	swallow(merger, input, owned);
+	relabel(merger, surfaces->label, count);
+}
+
 void surfaces_find(struct surfaces *surfaces, const struct surfaces_input *input)
 {
 	const struct capture_view *view = &input->image->view;
@@ -372,16 +388,8 @@ void surfaces_find(struct surfaces *surfaces, const struct surfaces_input *input
 		owned += merger.seeds.fits.items[i].pixels;
 	}
 	relabel(&merger, surfaces->label, count);
-	borders_find(&merger.borders, surfaces->label, view->width, view->height);
-	try_borders(&merger);
-	join_what_fits(&merger);
-	relabel(&merger, surfaces->label, count);
-	try_pieces(&merger, input->gap_px);
-	join_what_fits(&merger);
-	relabel(&merger, surfaces->label, count);
-	borders_find(&merger.borders, surfaces->label, view->width, view->height);
-	swallow(&merger, input, owned);
-	relabel(&merger, surfaces->label, count);
+	if (!input->continuous)
+		grow(&merger, input, surfaces, owned);
 	describe(surfaces, &merger, input->image->pixels);
 	ARRAY_FINISH(&merger.parent);
 	ARRAY_FINISH(&merger.largest);

@@ -10,6 +10,8 @@
 #ifndef BLVD_TOOLS_IMPOSTOR_SURFACES_H
 #define BLVD_TOOLS_IMPOSTOR_SURFACES_H
 
+#include <stdbool.h>
+
 #include "tools/impostor/borders.h"
 #include "tools/impostor/capture.h"
 #include "tools/impostor/plane_fit.h"
@@ -31,6 +33,7 @@ struct surfaces {
 };
 
 struct surfaces_input {
+	bool continuous; /* instead of planes: what is connected without a jump, however bent ([S97] 4.2) */
 	const struct capture_image *image;
 	const uint8_t *owned;   /* not 0: to be shown; only pixels that have an object */
 	const float *tolerance; /* of disparity, at owned pixels */
