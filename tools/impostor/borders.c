@@ -38,15 +38,18 @@ void borders_find(struct borders *borders, const uint32_t *label, uint32_t width
 			add(borders, label[(size_t)(y - 1) * width + x], row[x]);
 	}
 	ARRAY_SORT(&borders->pairs, by_value);
-	for (size_t i = 0; i < borders->pairs.count; i++) {
-		uint64_t pair = borders->pairs.items[i] >> RUN_BITS;
-		uint32_t run = (uint32_t)(borders->pairs.items[i] & ((1u << RUN_BITS) - 1));
+	const uint64_t *pairs = borders->pairs.items;
+	struct border *last = NULL;
+	for (size_t i = 0; pairs && i < borders->pairs.count; i++) {
+		uint64_t pair = pairs[i] >> RUN_BITS;
+		uint32_t run = (uint32_t)(pairs[i] & ((1u << RUN_BITS) - 1));
 		uint32_t a = (uint32_t)(pair >> LABEL_BITS), b = (uint32_t)(pair & ((1u << LABEL_BITS) - 1));
-		struct border *last = borders->items.count ? &borders->items.items[borders->items.count - 1] : NULL;
-		if (last && last->a == a && last->b == b)
+		if (last && last->a == a && last->b == b) {
 			last->sides += run;
-		else
-			ARRAY_PUSH(&borders->items, (struct border){ a, b, run });
+			continue;
+		}
+		ARRAY_PUSH(&borders->items, (struct border){ a, b, run });
+		last = &borders->items.items[borders->items.count - 1];
 	}
 }
 

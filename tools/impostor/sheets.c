@@ -139,15 +139,14 @@ static void write_out(struct sheets *sheets, const struct tying *tying)
 	sheets->sheet_of.count = sheets->first.count = sheets->members.count = 0;
 	ARRAY_RESERVE(&sheets->sheet_of, surfaces + 1);
 	sheets->sheet_of.count = surfaces;
-	ARRAY(uint32_t) number = { 0 };
-	ARRAY_RESERVE(&number, surfaces + 1);
-	memset(number.items, 0, (surfaces + 1) * sizeof(uint32_t));
+	struct pool pool = { 0 };
+	uint32_t *number = POOL_ARRAY(&pool, uint32_t, surfaces + 1);
 	uint32_t known = 0;
 	for (size_t i = 0; i < surfaces; i++) {
 		uint32_t sheet = tying->sheet.items[i];
-		if (!number.items[sheet])
-			number.items[sheet] = ++known;
-		sheets->sheet_of.items[i] = number.items[sheet] - 1;
+		if (!number[sheet])
+			number[sheet] = ++known;
+		sheets->sheet_of.items[i] = number[sheet] - 1;
 	}
 	ARRAY_RESERVE(&sheets->first, known + 1);
 	memset(sheets->first.items, 0, (known + 1) * sizeof(uint32_t));
@@ -160,7 +159,7 @@ static void write_out(struct sheets *sheets, const struct tying *tying)
 	sheets->members.count = surfaces;
 	for (uint32_t i = (uint32_t)surfaces; i-- > 0;)
 		sheets->members.items[--sheets->first.items[sheets->sheet_of.items[i]]] = i;
-	ARRAY_FINISH(&number);
+	pool_finish(&pool);
 }
 
 void sheets_find(struct sheets *sheets, const struct surfaces *surfaces, const float *tolerance, double share)

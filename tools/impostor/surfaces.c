@@ -9,57 +9,36 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "tools/impostor/surface_seeds.h"
+#include "tools/impostor/surface_merger.h"
 
 #define TINY_PX 24
 #define SMALL_PX 64
 #define NORMALS_DOT 0.9f
 #define PIECE_TRIES 32  /* neighbours of a piece that are looked at */
-#define HOST_SHARE 0.5  /* of a guest's disparity: the least that its host's plane may have there */
 #define STALE_SLACK 1.1 /* a border that got this much worse since it was queued goes back in the queue */
 
-struct candidate {
-	float error;
-	uint32_t a, b; /* regions when queued */
-};
-struct merger {
-	struct surface_seeds seeds;
-	ARRAY(uint32_t) parent;  /* of seeds; roots are regions */
-	ARRAY(uint32_t) largest; /* pixels of the part whose kind and normal a region has */
-	ARRAY(struct candidate) heap;
-	struct borders borders;
-};
-
-static uint32_t region_of(struct merger *merger, uint32_t seed)
-{
-	uint32_t *parent = merger->parent.items;
-	while (parent[seed] != seed)
-		seed = parent[seed] = parent[parent[seed]];
-	return seed;
-}
-
-static bool before(const struct candidate *a, const struct candidate *b)
+static bool before(const struct merge_candidate *a, const struct merge_candidate *b)
 {
 	if (a->error != b->error)
 		return a->error < b->error;
 	return a->a != b->a ? a->a < b->a : a->b < b->b;
 }
 
-static void push(struct merger *merger, struct candidate candidate)
+static void push(struct merger *merger, struct merge_candidate candidate)
 {
 	ARRAY_PUSH(&merger->heap, candidate);
-	struct candidate *heap = merger->heap.items;
+	struct merge_candidate *heap = merger->heap.items;
 	size_t at = merger->heap.count - 1;
 	for (; at && before(&candidate, &heap[(at - 1) / 2]); at = (at - 1) / 2)
 		heap[at] = heap[(at - 1) / 2];
 	heap[at] = candidate;
 }
 
-static struct candidate pop(struct merger *merger)
+static struct merge_candidate pop(struct merger *merger)
 {
-	struct candidate *heap = merger->heap.items, top = heap[0];
+	struct merge_candidate *heap = merger->heap.items, top = heap[0];
 	size_t count = --merger->heap.count, at = 0;
-	struct candidate last = heap[count];
+	struct merge_candidate last = heap[count];
 	for (size_t child; (child = 2 * at + 1) < count; at = child) {
 		if (child + 1 < count && before(&heap[child + 1], &heap[child]))
 			child++;
@@ -138,14 +117,14 @@ static void try_border(struct merger *merger, uint32_t a, uint32_t b)
 	double error;
 	plane_fit_try(&merger->seeds.fits.items[a], &merger->seeds.fits.items[b], &error);
 	if (error <= 1)
-		push(merger, (struct candidate){ (float)error, a, b });
+		push(merger, (struct merge_candidate){ (float)error, a, b });
 }
 
 static void join_what_fits(struct merger *merger)
 {
 	while (merger->heap.count) {
-		struct candidate top = pop(merger);
-		uint32_t a = region_of(merger, top.a), b = region_of(merger, top.b);
+		struct merge_candidate top = pop(merger);
+		uint32_t a = surface_region(merger, top.a), b = surface_region(merger, top.b);
 		if (a == b || !may_join(merger, a, b))
 			continue;
 		double error;
@@ -153,7 +132,7 @@ static void join_what_fits(struct merger *merger)
 		if (error > 1)
 			continue;
 		if (error > STALE_SLACK * (double)top.error + 0.01)
-			push(merger, (struct candidate){ (float)error, a, b });
+			push(merger, (struct merge_candidate){ (float)error, a, b });
 		else
 			join(merger, a, b, &plane);
 	}
@@ -223,15 +202,15 @@ static void try_pieces(struct merger *merger, float gap_px)
 /* Replaces seeds by their regions, numbered in the order of their roots. */
 static void relabel(struct merger *merger, uint32_t *label, size_t count)
 {
-	ARRAY(uint32_t) number = { 0 };
-	ARRAY_RESERVE(&number, merger->parent.count + 1);
+	struct pool pool = { 0 };
+	uint32_t *number = POOL_ARRAY(&pool, uint32_t, merger->parent.count + 1);
 	uint32_t known = 0, seeds = (uint32_t)merger->parent.count;
 	for (uint32_t i = 0; i < seeds; i++)
 		if (merger->parent.items[i] == i && merger->seeds.fits.items[i].pixels)
-			number.items[i] = known++;
+			number[i] = known++;
 	for (size_t i = 0; i < count; i++)
 		if (label[i])
-			label[i] = number.items[region_of(merger, label[i] - 1)] + 1;
+			label[i] = number[surface_region(merger, label[i] - 1)] + 1;
 	for (uint32_t i = 0, to = 0; i < seeds; i++) {
 		if (merger->parent.items[i] != i || !merger->seeds.fits.items[i].pixels)
 			continue;
@@ -242,89 +221,7 @@ static void relabel(struct merger *merger, uint32_t *label, size_t count)
 	merger->seeds.fits.count = merger->seeds.kinds.count = merger->largest.count = merger->parent.count = known;
 	for (uint32_t i = 0; i < known; i++)
 		merger->parent.items[i] = i;
-	ARRAY_FINISH(&number);
-}
-
-struct small {
-	uint32_t pixels, region;
-};
-
-static int by_pixels(const void *left, const void *right)
-{
-	const struct small *a = left, *b = right;
-	if (a->pixels != b->pixels)
-		return a->pixels < b->pixels ? -1 : 1;
-	return (a->region > b->region) - (a->region < b->region);
-}
-
-/* The neighbour whose plane fits a region's pixels best. */
-struct host {
-	uint32_t region;
-	double error;
-};
-
-/* Is the plane well on this side of its horizon at a region's pixels? A guest beyond it would bend the whole host,
- * whose vertices have to have a depth. */
-static bool is_ahead(const struct plane_fit *fit, const struct plane *plane)
-{
-	for (int i = 0; i < PLANE_FIT_SAMPLES; i++)
-		if (plane_at(plane, fit->samples[i].x, fit->samples[i].y) < HOST_SHARE * (double)fit->samples[i].w)
-			return false;
-	return true;
-}
-
-static void swallow(struct merger *merger, const struct surfaces_input *input, uint64_t owned)
-{
-	ARRAY(struct small) smalls = { 0 };
-	ARRAY(uint32_t) first = { 0 }; /* border sides by region, compressed rows */
-	ARRAY(uint32_t) beside = { 0 };
-	size_t regions = merger->parent.count;
-	ARRAY_RESERVE(&first, regions + 2);
-	memset(first.items, 0, (regions + 2) * sizeof(uint32_t));
-	for (size_t i = 0; i < merger->borders.items.count; i++) {
-		first.items[merger->borders.items.items[i].a]++;
-		first.items[merger->borders.items.items[i].b]++;
-	}
-	for (size_t i = 1; i <= regions; i++)
-		first.items[i] += first.items[i - 1];
-	ARRAY_RESERVE(&beside, 2 * merger->borders.items.count + 1);
-	for (size_t i = merger->borders.items.count; i-- > 0;) {
-		const struct border *border = &merger->borders.items.items[i];
-		beside.items[--first.items[border->a]] = border->b - 1;
-		beside.items[--first.items[border->b]] = border->a - 1;
-	}
-	first.items[regions + 1] = (uint32_t)(2 * merger->borders.items.count);
-	for (uint32_t i = 0; i < regions; i++)
-		if (merger->seeds.fits.items[i].pixels <= input->swallow_px)
-			ARRAY_PUSH(&smalls, (struct small){ merger->seeds.fits.items[i].pixels, i });
-	ARRAY_SORT(&smalls, by_pixels);
-	double allowance = input->swallow_share * (double)owned;
-	for (size_t i = 0; i < smalls.count; i++) {
-		uint32_t region = smalls.items[i].region;
-		if (region_of(merger, region) != region)
-			continue;
-		const struct plane_fit *fit = &merger->seeds.fits.items[region];
-		struct host host = { UINT32_MAX, INFINITY };
-		for (uint32_t k = first.items[region + 1]; k < first.items[region + 2]; k++) {
-			uint32_t other = region_of(merger, beside.items[k]);
-			if (other == region)
-				continue;
-			struct plane plane = plane_fit_solve(&merger->seeds.fits.items[other]);
-			double error = plane_fit_error(fit, &plane);
-			if (error < host.error && is_ahead(fit, &plane))
-				host = (struct host){ other, error };
-		}
-		if (host.region == UINT32_MAX || (host.error > 1 && fit->pixels > allowance))
-			continue;
-		if (host.error > 1)
-			allowance -= fit->pixels;
-		/* The host's plane stays as it is: guests do not bend it. */
-		merger->parent.items[region] = host.region;
-		merger->seeds.fits.items[host.region].pixels += fit->pixels;
-	}
-	ARRAY_FINISH(&smalls);
-	ARRAY_FINISH(&first);
-	ARRAY_FINISH(&beside);
+	pool_finish(&pool);
 }
 
 static void describe(struct surfaces *surfaces, const struct merger *merger, const struct capture_pixel *pixels)
@@ -369,7 +266,7 @@ static void grow(struct merger *merger, const struct surfaces_input *input, stru
 	join_what_fits(merger);
 	relabel(merger, surfaces->label, count);
 	borders_find(&merger->borders, surfaces->label, surfaces->width, surfaces->height);
-	swallow(merger, input, owned);
+	surfaces_swallow(merger, input, owned);
 	relabel(merger, surfaces->label, count);
 }
 
