@@ -14,7 +14,7 @@
 #include "platform/base/worker.h"
 
 #define SLOTS_DEFAULT 16
-#define STAGING_DEFAULT 3
+#define STAGING_DEFAULT 2
 #define LATENCY_DEFAULT 2
 #define URGENT_RANKS 2
 #define NO_RANK UINT32_MAX

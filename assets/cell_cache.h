@@ -88,7 +88,7 @@ enum cell_pvs {
 /* Zero takes the default. */
 struct cell_cache_config {
 	uint32_t slot_count;    /* default 16; more than the wanted and the pinned together, or some wait */
-	uint32_t staging_count; /* default 3 */
+	uint32_t staging_count; /* default 2 */
 	uint64_t staging_bytes; /* of one; default: what the package's largest stretch needs, but a visible set with
 							   vertices of its own does not make it more than CELL_STAGING_MAX. Stretches
 							   that need more are TOO_LARGE */

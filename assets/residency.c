@@ -9,6 +9,7 @@
 #include "platform/base/log.h"
 
 #define RESORT_MM 16000
+#define ROUNDS_MAX 8
 
 void residency_totals(const struct pkg *pkg, uint64_t *vertices, uint64_t *indices)
 {
@@ -44,9 +45,10 @@ int residency_init(struct residency *residency, struct arena *arena, const struc
 		.chunks = ARENA_ARRAY(arena, struct residency_chunk, count),
 		.order = ARENA_ARRAY(arena, uint32_t, count),
 		.key = ARENA_ARRAY(arena, uint64_t, count),
+		.listed = ARENA_ARRAY(arena, uint32_t, count),
 		.whole = vertices <= vertex_capacity && indices <= index_capacity,
 	};
-	if (!residency->chunks || !residency->order || !residency->key ||
+	if (!residency->chunks || !residency->order || !residency->key || !residency->listed ||
 		range_pool_init(&residency->vertices, arena, vertex_capacity, count) ||
 		range_pool_init(&residency->indices, arena, index_capacity, count))
 		return -ENOMEM;
@@ -224,6 +226,138 @@ static bool sound(struct residency *residency, uint32_t id)
 	return false;
 }
 
+/* One pool's part of a chunk. */
+struct extent {
+	uint32_t first, count;
+};
+
+static struct extent extent_of(const struct residency *residency, uint32_t id, bool of_indices)
+{
+	const struct residency_chunk *chunk = &residency->chunks[id];
+	return of_indices ? (struct extent){ chunk->first_index, chunk->index_count }
+					  : (struct extent){ chunk->first_vertex, residency->pkg->chunks[id].vertex_count };
+}
+
+static bool overlap(struct extent a, struct extent b)
+{
+	return a.first < b.first + b.count && b.first < a.first + a.count;
+}
+
+/* Do all chunks that are wanted fit, but for the holes between them? */
+static bool all_fit(const struct residency *residency, uint64_t far_key)
+{
+	uint64_t vertices = 0, indices = 0;
+	for (uint32_t i = 0; i < residency->pkg->chunk_count && residency->key[i] <= far_key; i++) {
+		vertices += residency->pkg->chunks[residency->order[i]].vertex_count;
+		indices += residency->chunks[residency->order[i]].index_count;
+	}
+	return vertices <= residency->vertices.capacity && indices <= residency->indices.capacity;
+}
+
+static uint32_t list_present(struct residency *residency)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < residency->pkg->chunk_count && count < residency->present; i++)
+		if (residency->chunks[residency->order[i]].state == RESIDENCY_PRESENT)
+			residency->listed[count++] = residency->order[i];
+	return count;
+}
+
+/* Units that are in use in a stretch of a pool; UINT64_MAX when a chunk in it is not smaller than the stretch. */
+static uint64_t units_in(const struct residency *residency, uint32_t listed, struct extent stretch, bool of_indices)
+{
+	uint64_t sum = 0;
+	for (uint32_t i = 0; i < listed; i++) {
+		struct extent extent = extent_of(residency, residency->listed[i], of_indices);
+		if (!overlap(extent, stretch))
+			continue;
+		if (extent.count >= stretch.count)
+			return UINT64_MAX;
+		sum += extent.count;
+	}
+	return sum;
+}
+
+/* Empties the stretch of a pool that is long enough and holds least, only of smaller chunks, so that this comes to an
+ * end: they are wanted as well, and find room between others. Returns false when there is none. */
+static bool empty_stretch(struct residency *residency, uint32_t units, bool of_indices)
+{
+	const struct range_pool *pool = of_indices ? &residency->indices : &residency->vertices;
+	uint32_t listed = list_present(residency);
+	struct extent best = { 0, 0 };
+	uint64_t least = UINT64_MAX;
+	for (uint32_t i = 0; i <= listed; i++) {
+		struct extent before = i < listed ? extent_of(residency, residency->listed[i], of_indices) : best;
+		struct extent stretch = { i < listed ? before.first + before.count : 0, units };
+		if (stretch.first > pool->capacity - units)
+			continue;
+		uint64_t held = units_in(residency, listed, stretch, of_indices);
+		if (held < least) {
+			least = held;
+			best = stretch;
+		}
+	}
+	for (uint32_t i = 0; i < listed && least != UINT64_MAX; i++)
+		if (overlap(extent_of(residency, residency->listed[i], of_indices), best))
+			evict(residency, residency->listed[i]);
+	return least != UINT64_MAX;
+}
+
+/* There is room enough for all that is wanted, but in pieces: places the chunk at order[at] at the cost of smaller
+ * ones, which are absent until they are placed again. */
+static bool place_by_moving(struct residency *residency, uint32_t at, uint64_t far_key)
+{
+	uint32_t id = residency->order[at];
+	if (residency->whole || !all_fit(residency, far_key))
+		return false;
+	for (int of_indices = 0; of_indices < 2; of_indices++) {
+		uint32_t units = of_indices ? residency->chunks[id].index_count : residency->pkg->chunks[id].vertex_count;
+		if (place(residency, id))
+			return true;
+		if (units > (of_indices ? &residency->indices : &residency->vertices)->capacity ||
+			!empty_stretch(residency, units, of_indices))
+			return false;
+	}
+	return place(residency, id);
+}
+
+/* State of one residency_update(). */
+struct update {
+	uint64_t far_key, slice_bytes, used_bytes;
+	uint32_t last;    /* nothing after order[last] is present */
+	bool full, moved; /* a chunk found no place; found one at the cost of others */
+};
+
+/* Loads the chunk at order[at] if the slice lasts and there is room. */
+static void load_chunk(
+	struct residency *residency, uint32_t at, struct update *update, residency_upload upload, void *context)
+{
+	uint32_t id = residency->order[at];
+	struct residency_chunk *chunk = &residency->chunks[id];
+	uint64_t bytes = chunk_bytes(&residency->pkg->chunks[id]);
+	bool slice = !update->used_bytes || update->used_bytes + bytes <= update->slice_bytes;
+	bool placed = slice && !update->full && place_nearer(residency, at, update->far_key, &update->last);
+	if (slice && !update->full && !placed) {
+		const uint64_t evicted = residency->evicted;
+		placed = place_by_moving(residency, at, update->far_key);
+		update->moved |= residency->evicted != evicted;
+		update->full = !placed;
+		residency->dropped += !placed;
+	}
+	if (!placed) {
+		residency->pending_bytes += bytes;
+		return;
+	}
+	if (!sound(residency, id)) {
+		unplace(residency, id);
+		return;
+	}
+	chunk->state = RESIDENCY_PRESENT;
+	residency->present++;
+	upload(context, id, chunk);
+	update->used_bytes += bytes;
+}
+
 void residency_update(struct residency *residency, const int64_t eye_mm[3], int64_t far_mm, uint64_t slice_bytes,
 	residency_upload upload, void *context)
 {
@@ -231,35 +365,14 @@ void residency_update(struct residency *residency, const int64_t eye_mm[3], int6
 	if (!count || (residency->whole && residency->present + residency->damaged == count))
 		return;
 	resort(residency, eye_mm);
-	uint64_t far_m = (uint64_t)(far_mm / 1000), far_key = far_m * far_m, used = 0;
-	bool full = false;
-	uint32_t last = count - 1;
-	residency->pending_bytes = 0;
-	for (uint32_t i = 0; i < count; i++) {
-		uint32_t id = residency->order[i];
-		struct residency_chunk *chunk = &residency->chunks[id];
-		if (!residency->whole && residency->key[i] > far_key)
-			break;
-		if (chunk->state != RESIDENCY_ABSENT)
-			continue;
-		uint64_t bytes = chunk_bytes(&residency->pkg->chunks[id]);
-		if (full || (used && used + bytes > slice_bytes)) {
-			residency->pending_bytes += bytes;
-			continue;
-		}
-		if (!place_nearer(residency, i, far_key, &last)) {
-			residency->dropped++;
-			residency->pending_bytes += bytes;
-			full = true;
-			continue;
-		}
-		if (!sound(residency, id)) {
-			unplace(residency, id);
-			continue;
-		}
-		chunk->state = RESIDENCY_PRESENT;
-		residency->present++;
-		upload(context, id, chunk);
-		used += bytes;
+	uint64_t far_m = (uint64_t)(far_mm / 1000);
+	struct update update = { .far_key = far_m * far_m, .slice_bytes = slice_bytes, .last = count - 1 };
+	for (int round = 0; round == 0 || (update.moved && round < ROUNDS_MAX); round++) {
+		update.moved = false;
+		update.slice_bytes += round ? slice_bytes : 0; /* what was moved must be back in the same frame */
+		residency->pending_bytes = 0;
+		for (uint32_t i = 0; i < count && (residency->whole || residency->key[i] <= update.far_key); i++)
+			if (residency->chunks[residency->order[i]].state == RESIDENCY_ABSENT)
+				load_chunk(residency, i, &update, upload, context);
 	}
 }

@@ -31,6 +31,7 @@ struct residency {
 	struct residency_chunk *chunks; /* one per chunk of the package */
 	uint32_t *order;                /* chunk ids; nearest first, or along the curve */
 	uint64_t *key;                  /* of order[i] */
+	uint32_t *listed;               /* of use within an update */
 	struct range_pool vertices, indices;
 	bool whole; /* everything fits */
 	bool sorted;

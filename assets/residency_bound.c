@@ -8,7 +8,7 @@
 #include "assets/residency.h"
 
 #define CELL_MM 32000
-#define HOLES 8              /* a pool is larger than what it holds by one part in so many */
+#define HOLES 16             /* a pool is larger than what it holds by one part in so many */
 #define CELLS_MAX (1u << 16) /* larger cities have larger cells */
 
 struct near_sum {

@@ -6,7 +6,7 @@
 #include "assets/pkg_check.h"
 #include "assets/residency.h"
 
-#define AHEAD_M 50.0 /* chunks are loaded so much earlier than they are needed */
+#define AHEAD_M 30.0 /* chunks are loaded so much earlier than they are needed */
 
 /* Local triangles are within near_mm of the stretch's axis, and the eye may be at its other end. */
 static double find_reach_m(const struct pkg *pkg)

@@ -28,7 +28,7 @@
 #define DEFAULT_FAR_M 6000.0
 #define DEFAULT_FOV_DEG 45.0
 #define OVERLAY_BYTES (UINT64_C(3) << 20) /* for what is drawn on top, and small things */
-#define FIXED_ARENA_BYTES (UINT64_C(2) << 20)
+#define FIXED_ARENA_BYTES (UINT64_C(3) << 19)
 #define ARENA_BYTES_A_CHUNK 128 /* residency, pools of ranges */
 #define ARENA_BYTES_AN_EDGE 64  /* labels */
 #define SPLIT_M 150.0
@@ -186,7 +186,7 @@ static int make_scene(struct renderer *renderer, struct arena *arena, const stru
 uint64_t renderer_arena_bytes(const struct renderer_config *config, const struct pkg *pkg)
 {
 	const uint64_t chunks = pkg->chunk_count, objects = pkg->object_count, edges = pkg->graph.edge_count;
-	uint64_t sum = FIXED_ARENA_BYTES + RESIDENT_SCRATCH_BYTES;
+	uint64_t sum = FIXED_ARENA_BYTES;
 	sum += objects * PKG_PASS_COUNT * sizeof(struct mesh_run);
 	sum += chunks * (PKG_PASS_COUNT * sizeof(struct mesh_run) + sizeof(struct visible_chunk) +
 						2 * VIEW_SLICE_COUNT * PKG_PASS_COUNT * sizeof(struct draw_item) + ARENA_BYTES_A_CHUNK);
