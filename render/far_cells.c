@@ -19,7 +19,7 @@
 #define BESIDE_M 120.0  /* so far outside the distance still looks right enough */
 #define ABOVE_MM 30000  /* above the view cell: roofs and yards are seen, which no cell has */
 #define AROUND_M 400.0  /* geometry drawn around an eye beside the view cell */
-#define THROUGH_M 200.0 /* seen through faded buildings; beyond, haze and glass make little of it */
+#define THROUGH_M 120.0 /* seen through faded buildings: half as much again costs a third of the frame */
 #define UPLOAD_BYTES (4 * PKG_PAGE_BYTES) /* a frame: copying a page costs a software GPU 0.7 ms */
 #define NEAR_SHARE 0.97                   /* of near_mm, where the impostor may begin */
 #define WANTED_MAX (NAV_LIKELY_MAX + 1)
