@@ -9,8 +9,8 @@ frames=${3:-300}
 mkdir -p "$out"
 
 # km across and their names: about 0.14, 1 and 5 million triangles
-sizes="0.75 2.0 4.4"
-[ -s "$out/city.osm" ] || "$blvd" synth --seed 7 --size 4.4x4.4 -o "$out/city.osm"
+sizes="0.75 2.15 5.3"
+[ -s "$out/city.osm" ] || "$blvd" synth --seed 7 --size 5.3x5.3 -o "$out/city.osm"
 
 # W,S,E,N of a square of so many km around 47.05 N 8.15 E, where blvd synth puts its middle
 square() {
@@ -39,7 +39,7 @@ done
 	echo
 	for name in full none pvs impostor; do
 		small=$(jq --arg name $name '.settings[] | select(.representation == $name) | .cpu_ms_median' "$out/0.75/summary.json")
-		large=$(jq --arg name $name '.settings[] | select(.representation == $name) | .cpu_ms_median' "$out/4.4/summary.json")
+		large=$(jq --arg name $name '.settings[] | select(.representation == $name) | .cpu_ms_median' "$out/5.3/summary.json")
 		echo "Largest against smallest, same street, $name: $(awk -v a="$large" -v b="$small" 'BEGIN { printf "%.2fx", a / b }')  "
 	done
 } >"$out/table.md"

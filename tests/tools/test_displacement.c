@@ -68,7 +68,7 @@ static void places_project_where_they_are_seen(void **state)
 	(void)state;
 	struct truth_image image = image_of(reference_pixels);
 	struct truth_pixel pixel = place(0, 10.25, 20.5, 300.0);
-	double x, y;
+	double x = 0.0, y = 0.0;
 	assert_true(truth_project(&image, &pixel, &x, &y));
 	assert_true(fabs(x - 10.25) < 1e-4 && fabs(y - 20.5) < 1e-4);
 	pixel.from_eye_m[1] = -1.0f;
