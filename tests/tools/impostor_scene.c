@@ -149,7 +149,7 @@ static void add_patch(const struct scene_quad *quad, const struct capture_image 
 		high[0] = fmax(high[0], x);
 		high[1] = fmax(high[1], y);
 		patch.disparity_max = fmaxf(patch.disparity_max, (float)(1 / z));
-		ARRAY_PUSH(&mesh->vertices, (struct mesh_vertex){ (float)x, (float)y, (float)(1 / z) });
+		ARRAY_PUSH(&mesh->vertices, (struct mesh_vertex){ (float)x, (float)y, (float)(1 / z), { 0, 0 } });
 	}
 	for (int i = 0; i < 6; i++)
 		ARRAY_PUSH(&mesh->indices, two[i]);

@@ -94,7 +94,8 @@ static struct pkg_impostor_vertex make_vertex(
 			texel_coordinate(corner->y, cluster->top, cluster->scale, shape->y) },
 		.page = (uint8_t)shape->page,
 		.view_kind = (uint8_t)(patch->view + PKG_IMPOSTOR_VIEWS_MAX * kind),
-		.normal_oct = { patch->normal_oct[0], patch->normal_oct[1] },
+		.normal_oct = { patch->smooth ? corner->normal_oct[0] : patch->normal_oct[0],
+			patch->smooth ? corner->normal_oct[1] : patch->normal_oct[1] },
 	};
 }
 

@@ -52,7 +52,8 @@ static struct mesh_vertex crossing(struct mesh_vertex a, struct mesh_vertex b, b
 	}
 	float share = (at - along(&a, vertical)) / (along(&b, vertical) - along(&a, vertical));
 	struct mesh_vertex cut = { a.x + share * (b.x - a.x), a.y + share * (b.y - a.y),
-		a.disparity + share * (b.disparity - a.disparity) };
+		a.disparity + share * (b.disparity - a.disparity), { 0, 0 } };
+	memcpy(cut.normal_oct, share < 0.5f ? a.normal_oct : b.normal_oct, sizeof(cut.normal_oct));
 	*(vertical ? &cut.y : &cut.x) = at;
 	return cut;
 }

@@ -45,13 +45,15 @@ enum mesh_texel {
 	MESH_FILL, /* hidden in the capture: the colour of the nearest pixel that is shown */
 };
 struct mesh_vertex {
-	float x, y;      /* px, y down */
-	float disparity; /* 1 / z in the capture's view */
+	float x, y;           /* px, y down */
+	float disparity;      /* 1 / z in the capture's view */
+	int8_t normal_oct[2]; /* of a smooth patch */
 };
 struct mesh_patch {
 	uint32_t first_vertex, vertex_count;
 	uint32_t first_index, index_count; /* relative to first_vertex */
 	int8_t normal_oct[2];
+	bool smooth;                         /* the vertices have normals of their own */
 	uint8_t kind;                        /* enum pkg_material_kind, of most of its pixels */
 	uint8_t view;                        /* capture */
 	uint16_t min_x, min_y, max_x, max_y; /* pixels, both included: what its triangles cover */

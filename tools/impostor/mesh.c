@@ -25,17 +25,17 @@
 #define GRID_PRICE_PX2 4.0
 #define SWALLOW_PX 16
 #define SWALLOW_SHARE 0.004
-/* With too many triangles, tau grows by the excess to this power, within these bounds, from one try to the next. */
+/* With too many triangles, tau grows by the excess to this power, from one try to the next by more at least. */
 #define COARSER_POWER 0.8
 #define COARSER_MIN 1.25
 #define COARSER_MAX 4.0
-#define TRIANGLES_MIN 8 /* for a capture, whatever the earlier ones took */
 #define TRIES 12
 
 struct meshing {
 	const struct impostor_capture *capture;
 	const struct impostor_options *options;
 	struct displacement displacement;
+	struct foliage_light foliage;
 	uint32_t width, height;
 	uint8_t *owned, *open_below;
 	float *tolerance, *scaled; /* of disparity for tau; the same, for this try */
@@ -145,6 +145,7 @@ static void mesh_once(struct meshing *meshing, double factor, uint8_t view, stru
 		.tolerance = meshing->scaled,
 		.displacement = &meshing->displacement,
 		.tau_px = tau_px(meshing->options) * factor,
+		.foliage = &meshing->foliage,
 		.open_below = meshing->open_below,
 		.options = sheet_options_of(meshing, coarse, view) };
 	for (uint32_t i = 0; i + 1 < sheets.first.count; i++)
@@ -214,6 +215,24 @@ static void cut_back(struct impostor_mesh *mesh, const struct impostor_mesh *to)
 	mesh->texels.count = to->texels.count;
 }
 
+/* With ever wider tolerances, until there are few enough triangles. What needs too many in any case is left out. */
+static void mesh_within(struct meshing *meshing, uint8_t view, struct impostor_mesh *mesh)
+{
+	const struct impostor_mesh before = *mesh;
+	size_t used = before.indices.count / 3, limit = SIZE_MAX;
+	if (meshing->options->triangles_max)
+		limit = meshing->options->triangles_max > used ? meshing->options->triangles_max - used : 0;
+	double factor = 1;
+	for (int i = 0; i < TRIES && limit; i++) {
+		mesh_once(meshing, factor, view, mesh);
+		size_t made = mesh->indices.count / 3 - used;
+		if (made <= limit)
+			return;
+		cut_back(mesh, &before);
+		factor *= fmin(fmax(pow((double)made / (double)limit, COARSER_POWER), COARSER_MIN * (i + 1)), COARSER_MAX);
+	}
+}
+
 void impostor_mesh_add(struct impostor_mesh *mesh, const struct view_cell *cell, const struct impostor_capture *capture,
 	const uint8_t *owner, uint8_t view, const struct impostor_options *options)
 {
@@ -230,21 +249,12 @@ void impostor_mesh_add(struct impostor_mesh *mesh, const struct view_cell *cell,
 		displacement_init(
 			&meshing.displacement, cell, &capture->image.view, options->focal_px, (double)largest_disparity(&meshing));
 		find_tolerances(&meshing);
-		struct impostor_mesh before = *mesh;
-		size_t used = before.indices.count / 3, limit = SIZE_MAX;
-		if (options->triangles_max)
-			limit = options->triangles_max > used + TRIANGLES_MIN ? options->triangles_max - used : TRIANGLES_MIN;
-		double factor = 1;
-		for (int i = 0; i < TRIES; i++) {
-			cut_back(mesh, &before);
-			mesh_once(&meshing, factor, view, mesh);
-			size_t made = mesh->indices.count / 3 - used;
-			if (made <= limit)
-				break;
-			factor *= fmin(fmax(pow((double)made / (double)limit, COARSER_POWER), COARSER_MIN), COARSER_MAX);
-		}
-		measure(&meshing, before.patches.count, mesh);
+		foliage_light_find(&meshing.foliage, &capture->image);
+		size_t first_patch = mesh->patches.count;
+		mesh_within(&meshing, view, mesh);
+		measure(&meshing, first_patch, mesh);
 		displacement_finish(&meshing.displacement);
+		foliage_light_finish(&meshing.foliage);
 	}
 	sheet_mesher_finish(&meshing.mesher);
 	array_free(meshing.owned);

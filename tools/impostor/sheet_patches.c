@@ -110,6 +110,16 @@ static void add_texels(const struct sheet_mesher *mesher, const struct sheet_sou
 	}
 }
 
+static struct mesh_vertex vertex_at(
+	const struct sheet_source *source, const struct surface *surface, struct cdt_point at, float disparity)
+{
+	struct mesh_vertex vertex = { (float)at.x / MESH_LATTICE, (float)at.y / MESH_LATTICE, disparity,
+		{ surface->normal_oct[0], surface->normal_oct[1] } };
+	if (surface->kind == PKG_MATERIAL_FOLIAGE)
+		foliage_light_at(source->foliage, surface->object, (double)vertex.x, (double)vertex.y, vertex.normal_oct);
+	return vertex;
+}
+
 /* One patch from the ordered triangles [from, to). */
 static void add_patch(struct sheet_mesher *mesher, const struct sheet_source *source, uint32_t sheet,
 	struct impostor_mesh *mesh, size_t from, size_t to)
@@ -121,6 +131,7 @@ static void add_patch(struct sheet_mesher *mesher, const struct sheet_source *so
 		.first_index = (uint32_t)mesh->indices.count,
 		.index_count = (uint32_t)(to - from) * 3,
 		.normal_oct = { surface->normal_oct[0], surface->normal_oct[1] },
+		.smooth = surface->kind == PKG_MATERIAL_FOLIAGE,
 		.kind = surface->kind,
 		.view = source->options.view,
 	};
@@ -133,8 +144,7 @@ static void add_patch(struct sheet_mesher *mesher, const struct sheet_source *so
 			if (*stamp == UINT32_MAX || *stamp < patch.first_vertex) {
 				*stamp = (uint32_t)mesh->vertices.count;
 				float disparity = (float)mesher->disparity.items[point];
-				ARRAY_PUSH(&mesh->vertices,
-					(struct mesh_vertex){ (float)at.x / MESH_LATTICE, (float)at.y / MESH_LATTICE, disparity });
+				ARRAY_PUSH(&mesh->vertices, vertex_at(source, surface, at, disparity));
 				patch.disparity_max = fmaxf(patch.disparity_max, disparity);
 				min = (struct cdt_point){ at.x < min.x ? at.x : min.x, at.y < min.y ? at.y : min.y };
 				max = (struct cdt_point){ at.x > max.x ? at.x : max.x, at.y > max.y ? at.y : max.y };

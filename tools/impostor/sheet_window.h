@@ -9,6 +9,7 @@
 #define BLVD_TOOLS_IMPOSTOR_SHEET_WINDOW_H
 
 #include "tools/impostor/displacement.h"
+#include "tools/impostor/foliage_light.h"
 #include "tools/impostor/impostor.h"
 #include "tools/impostor/sheets.h"
 
@@ -28,6 +29,7 @@ struct sheet_source {
 	float *tolerance; /* of disparity for tau_px: at owned pixels, and 0 where not asked for yet */
 	struct displacement *displacement;
 	double tau_px;
+	const struct foliage_light *foliage;
 	const uint8_t *open_below; /* not 0: nothing here and in all pixels below */
 	struct sheet_options options;
 };

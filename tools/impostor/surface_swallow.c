@@ -4,6 +4,7 @@
 
 #include "tools/impostor/surface_merger.h"
 
+#define ERROR_MAX 4.0  /* tolerances that a guest may be off: chimneys must not float away */
 #define HOST_SHARE 0.5 /* of a guest's disparity: the least that its host's plane may have there */
 
 struct small_region {
@@ -59,7 +60,7 @@ static struct host find_host(struct merger *merger, const struct neighbours *lis
 			continue;
 		struct plane plane = plane_fit_solve(&merger->seeds.fits.items[other]);
 		double error = plane_fit_error(fit, &plane);
-		if (error < host.error && is_ahead(fit, &plane))
+		if (error < host.error && error <= ERROR_MAX && is_ahead(fit, &plane))
 			host = (struct host){ other, error };
 	}
 	return host;

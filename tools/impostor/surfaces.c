@@ -87,7 +87,8 @@ static bool may_join(const struct merger *merger, uint32_t a, uint32_t b)
 	const struct capture_pixel *kind_a = &merger->seeds.kinds.items[a], *kind_b = &merger->seeds.kinds.items[b];
 	if (light_class(kind_a->kind) != light_class(kind_b->kind))
 		return false;
-	if (smaller <= SMALL_PX || memcmp(kind_a->normal_oct, kind_b->normal_oct, 2) == 0)
+	bool crown = kind_a->kind == PKG_MATERIAL_FOLIAGE && kind_a->object == kind_b->object;
+	if (smaller <= SMALL_PX || crown || memcmp(kind_a->normal_oct, kind_b->normal_oct, 2) == 0)
 		return true;
 	float normal_a[3], normal_b[3];
 	normal_of(kind_a->normal_oct, normal_a);
