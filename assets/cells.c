@@ -209,7 +209,7 @@ int impostor_view_open(struct impostor_view *impostor, const struct pkg_cell *ce
 static int verify_set(
 	const struct pkg *pkg, struct blob_reader *reader, const struct pkg_blob *blob, void *buffer, uint32_t triangles)
 {
-	struct set_view set;
+	struct set_view set = { 0 };
 	if (!blob->stored_bytes)
 		return 0;
 	int status = blob_read(reader, pkg, blob, buffer);

@@ -1,6 +1,6 @@
 /*
- * The sky, drawn after everything else that is far, at the end of the depth range. By day and with the sun out of the
- * picture it is a gradient worked out at the corners of a grid; else every pixel is worked out.
+ * The sky, drawn after everything else that is far, at the end of the depth range. By day it is a gradient worked out
+ * at the corners of a grid, and every pixel is worked out around the sun only; under stars, every pixel is.
  */
 #ifndef BLVD_RENDER_SKY_H
 #define BLVD_RENDER_SKY_H
@@ -9,7 +9,7 @@
 #include "render/sun.h"
 #include "render/view.h"
 
-enum sky_kind { SKY_EVERY_PIXEL, SKY_GRID, SKY_KIND_COUNT };
+enum sky_kind { SKY_EVERY_PIXEL, SKY_GRID, SKY_SUN, SKY_KIND_COUNT };
 struct sky {
 	struct gfx *gfx;
 	gfx_program programs[SKY_KIND_COUNT];

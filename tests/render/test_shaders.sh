@@ -44,6 +44,7 @@ for file in "$dir"/text.*; do
 done
 for file in "$dir"/sky.*; do
 	check "$file" "#define GRID 1\n"
+	check "$file" "#define SUN 1\n"
 done
 for style in LIT DISSOLVE TINT WIRE; do
 	for file in "$dir"/impostor.*; do

@@ -179,7 +179,7 @@ static void in_front(
 	for (size_t i = 0; i < set->items.count; i++) {
 		const struct triangle_set_item *item = &set->items.items[i];
 		uint32_t size = triangle_set_object_size(&pkg->objects[item->object]);
-		const uint64_t *from = &set->words.items[item->first_word];
+		const uint64_t *from = set->words.items + item->first_word;
 		uint64_t *to = triangle_set_add(out, pkg, item->object);
 		for (uint32_t triangle = 0; triangle < size; triangle++) {
 			int64_t mm[3][3];
