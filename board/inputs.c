@@ -22,7 +22,7 @@ static int open_bus(struct inputs *inputs, const struct options *options, struct
 	};
 	if (!options->replay && !options->can_count)
 		return 0;
-	const struct can_bus_ops *ops = options->replay ? &can_replay_ops : &can_socketcan_ops;
+	const struct can_bus_ops *ops = options->replay ? &can_replay_ops : &can_live_ops;
 	int status = can_bus_open(&inputs->bus, ops, &config, arena);
 	const char *what = options->replay ? options->replay : options->can[0];
 	if (status == -ENODATA)

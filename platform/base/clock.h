@@ -16,6 +16,9 @@ int64_t clock_wall_ns(void);
 /* CPU time of this process in ns. */
 int64_t clock_cpu_ns(void);
 
+/* CPU time of the calling thread in ns. */
+int64_t clock_thread_ns(void);
+
 /* Sleeps until the monotonic time `deadline_ns`; returns at once when it has passed. */
 void clock_sleep_until(int64_t deadline_ns);
 

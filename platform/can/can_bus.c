@@ -1,6 +1,7 @@
 /* What both implementations share: names, counts, and what error frames mean. */
 #include "platform/can/can_bus.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <string.h>
 
@@ -41,6 +42,25 @@ uint8_t can_bus_index_or_add(struct can_bus *bus, const char *name)
 	*interface = (struct can_interface){ .heard_ns = INT64_MIN };
 	memcpy(interface->name, name, length);
 	return (uint8_t)bus->interface_count++;
+}
+
+void can_bus_short_name(const char *spec, char out[CANDUMP_NAME_SIZE])
+{
+	const char *equals = strchr(spec, '='), *colon = strchr(spec, ':');
+	size_t length = strlen(spec);
+	if (equals) {
+		length = (size_t)(equals - spec);
+	} else if (colon) {
+		const char *slash = strrchr(spec, '/');
+		spec = slash ? slash + 1 : colon + 1;
+		spec += *spec == '@';
+		length = strcspn(spec, ".");
+	}
+	if (length >= CANDUMP_NAME_SIZE)
+		length = CANDUMP_NAME_SIZE - 1;
+	for (size_t i = 0; i < length; i++)
+		out[i] = isgraph((unsigned char)spec[i]) ? spec[i] : '_';
+	out[length] = 0;
 }
 
 void can_bus_note_health(struct can_bus *bus, uint8_t index, enum can_health health, int64_t time_ns)

@@ -7,7 +7,6 @@
  * in batches, and SO_RXQ_OVFL to know what was lost all the same.
  */
 #include <errno.h>
-#include <linux/can.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
 #include <net/if.h>
@@ -21,6 +20,7 @@
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
 #include "platform/can/can_bus.h"
+#include "platform/can/can_linux.h"
 
 #define BATCH 64
 #define RECEIVE_BYTES (4 << 20)
@@ -147,32 +147,6 @@ static void read_controls(struct can_socket *socket, struct msghdr *header, int6
 	}
 }
 
-static void convert(const struct canfd_frame *in, size_t size, struct can_frame_rx *out)
-{
-	bool fd = size == CANFD_MTU;
-	unsigned limit = fd ? CAN_FRAME_DATA_MAX : 8;
-	out->len = (uint8_t)(in->len < limit ? in->len : limit);
-	if (fd) {
-		out->flags |= CAN_FRAME_FD;
-		out->fd_flags = in->flags & 15;
-	} else {
-		out->raw_dlc = ((const struct can_frame *)(const void *)in)->len8_dlc;
-	}
-	if (in->can_id & CAN_ERR_FLAG) {
-		out->flags |= CAN_FRAME_ERROR;
-		out->id = in->can_id & CAN_ERR_MASK;
-	} else if (in->can_id & CAN_EFF_FLAG) {
-		out->flags |= CAN_FRAME_EXT;
-		out->id = in->can_id & CAN_EFF_MASK;
-	} else {
-		out->id = in->can_id & CAN_SFF_MASK;
-	}
-	if (in->can_id & CAN_RTR_FLAG && !(in->can_id & CAN_ERR_FLAG))
-		out->flags |= CAN_FRAME_REMOTE;
-	else
-		memcpy(out->data, in->data, out->len);
-}
-
 /* The kernel's stamp is wall time; its distance to the present wall time is the frame's age. */
 static int64_t frame_time(const struct can_socket *socket, int64_t stamp_ns, int64_t wall_ns, int64_t now_ns)
 {
@@ -194,13 +168,13 @@ static int read_batch(struct can_socket *socket, struct can_frame_rx *frames, in
 	socket->bus.wall_offset_ns = wall_ns - now_ns;
 	for (int i = 0; i < n; i++) {
 		int64_t stamp_ns = wall_ns;
-		struct can_frame_rx frame = { 0 };
+		struct can_frame_rx frame;
 		read_controls(socket, &socket->messages[i].msg_hdr, &stamp_ns);
-		size_t size = socket->messages[i].msg_len;
-		frame.bus = bus_of(socket, socket->addresses[i].can_ifindex);
-		if (frame.bus == CAN_BUS_NONE || (size != CAN_MTU && size != CANFD_MTU))
+		if (!can_linux_unpack(&socket->frames[i], socket->messages[i].msg_len, &frame))
 			continue;
-		convert(&socket->frames[i], size, &frame);
+		frame.bus = bus_of(socket, socket->addresses[i].can_ifindex);
+		if (frame.bus == CAN_BUS_NONE)
+			continue;
 		frame.time_ns = frame_time(socket, stamp_ns, wall_ns, now_ns);
 		can_bus_note_frame(&socket->bus, &frame);
 		frames[(*count)++] = frame;
@@ -231,18 +205,21 @@ static int socketcan_write(struct can_bus *bus, const struct can_frame_rx *frame
 	struct can_socket *socket = (struct can_socket *)bus;
 	if (frame->bus >= bus->interface_count || !socket->if_index[frame->bus])
 		return -ENODEV;
-	struct canfd_frame out = { .can_id = frame->id, .len = frame->len, .flags = frame->fd_flags & 15 };
+	struct canfd_frame out;
 	struct sockaddr_can to = { .can_family = AF_CAN, .can_ifindex = socket->if_index[frame->bus] };
-	if (frame->flags & CAN_FRAME_EXT)
-		out.can_id |= CAN_EFF_FLAG;
-	if (frame->flags & CAN_FRAME_REMOTE)
-		out.can_id |= CAN_RTR_FLAG;
-	memcpy(out.data, frame->data, frame->len);
-	size_t size = frame->flags & CAN_FRAME_FD ? CANFD_MTU : CAN_MTU;
+	size_t size = can_linux_pack(frame, &out);
 	ssize_t n = sendto(socket->fd, &out, size, MSG_DONTWAIT, (struct sockaddr *)&to, sizeof(to));
 	if (n == (ssize_t)size)
 		return 0;
 	return n < 0 ? -errno : -EIO;
+}
+
+static unsigned socketcan_fds(struct can_bus *bus, int *fds, unsigned capacity)
+{
+	if (capacity == 0)
+		return 0;
+	fds[0] = ((struct can_socket *)bus)->fd;
+	return 1;
 }
 
 static void socketcan_close(struct can_bus *bus)
@@ -300,5 +277,6 @@ const struct can_bus_ops can_socketcan_ops = {
 	.open = socketcan_open,
 	.read = socketcan_read,
 	.write = socketcan_write,
+	.fds = socketcan_fds,
 	.close = socketcan_close,
 };
