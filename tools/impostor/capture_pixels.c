@@ -137,9 +137,10 @@ static bool alike(const struct capture_batch *batch, uint32_t a, uint32_t b)
 	return s->object == t->object && s->kind == t->kind;
 }
 
+/* Nothing when there are no samples. */
 static void mean_color(const uint8_t *const samples[], unsigned count, int components, uint8_t *out)
 {
-	for (int c = 0; c < components; c++) {
+	for (int c = 0; c < components && count; c++) {
 		unsigned sum = count / 2;
 		for (unsigned i = 0; i < count; i++)
 			sum += samples[i][c];
@@ -173,7 +174,6 @@ void capture_pixels_color(const struct capture_batch *batch, const uint32_t *see
 				shares[share_count++] = fine_rgba + around[i] * 4 + 3;
 		}
 		mean_color(samples, count, 3, out->rgba + at * 4);
-		if (share_count)
-			mean_color(shares, share_count, 1, out->rgba + at * 4 + 3);
+		mean_color(shares, share_count, 1, out->rgba + at * 4 + 3);
 	}
 }

@@ -191,6 +191,8 @@ static void cut_edge(const struct pkg_graph *net, uint32_t edge_index, const str
 	struct line *line, places *cuts, stretch_array *out)
 {
 	const struct pkg_edge *edge = &net->edges[edge_index];
+	if (edge->point_count < 2)
+		return;
 	read_line(net, edge, line);
 	find_runs(line, cuts);
 	join_crumbs(line, cuts);

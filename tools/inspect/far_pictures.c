@@ -79,7 +79,7 @@ static struct image draw_wire(struct pool *pool, const struct pkg_stretch *stret
 	memset(image.rgb, 24, (size_t)3 * image.width * image.height);
 	view.centre_x += (WIRE_WIDTH - (double)view.width) * 0.5;
 	for (uint32_t i = 0; i + 2 < impostor->head.index_count; i += 3) {
-		struct dvec2 at[3];
+		struct dvec2 at[3] = { 0 };
 		double z = 1.0;
 		const struct pkg_impostor_vertex *vertex = &impostor->vertices[impostor->indices[i]];
 		for (int k = 0; k < 3 && z > 0.5; k++) {
