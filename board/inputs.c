@@ -63,6 +63,31 @@ static void set_course(struct inputs *inputs, const struct options *options, con
 		log_warn("no street near the destination");
 }
 
+static void set_stops(struct inputs *inputs)
+{
+	if (!inputs->destination.stop_count)
+		nav_clear_destination(&inputs->nav);
+	else if (!nav_set_stops(&inputs->nav, inputs->destination.stops, inputs->destination.stop_count))
+		log_warn("no street near the destination that the car asks for");
+}
+
+int inputs_map(struct inputs *inputs, const struct options *options, const struct profile *profile,
+	const struct pkg *pkg, struct arena *arena)
+{
+	struct nav_config config = { 0 };
+	int status = nav_init(&inputs->nav, arena, pkg, &config);
+	if (status < 0) {
+		log_error("the memory budget is too small for the street graph of this city (%zu bytes)",
+			nav_bytes(&pkg->graph, &config));
+		inputs->nav.pkg = NULL;
+		return status;
+	}
+	set_course(inputs, options, profile);
+	if (inputs->destination_waits)
+		set_stops(inputs);
+	return 0;
+}
+
 int inputs_open(struct inputs *inputs, const struct options *options, const struct profile *profile,
 	const struct pkg *pkg, struct arena *arena)
 {
@@ -73,13 +98,8 @@ int inputs_open(struct inputs *inputs, const struct options *options, const stru
 		return status;
 	vehicle_init(&inputs->vehicle, &inputs->car.vehicle);
 	destination_init(&inputs->destination, inputs->car.destination);
-	struct nav_config config = { 0 };
-	if ((status = nav_init(&inputs->nav, arena, pkg, &config)) < 0) {
-		log_error("the memory budget is too small for the street graph of this city (%zu bytes)",
-			nav_bytes(&pkg->graph, &config));
+	if (pkg && (status = inputs_map(inputs, options, profile, pkg, arena)) < 0)
 		return status;
-	}
-	set_course(inputs, options, profile);
 	if ((status = open_bus(inputs, options, arena)) < 0)
 		return status;
 	return options->record ? open_recorder(inputs, options->record, arena) : 0;
@@ -89,10 +109,10 @@ static void take_frame(struct inputs *inputs, const struct can_frame_rx *frame)
 {
 	vehicle_feed(&inputs->vehicle, frame);
 	if (inputs->destination.count_signal && destination_feed(&inputs->destination, frame)) {
-		if (!inputs->destination.stop_count)
-			nav_clear_destination(&inputs->nav);
-		else if (!nav_set_stops(&inputs->nav, inputs->destination.stops, inputs->destination.stop_count))
-			log_warn("no street near the destination that the car asks for");
+		if (inputs->nav.pkg)
+			set_stops(inputs);
+		else
+			inputs->destination_waits = true;
 	}
 	if (inputs->recorder && frame->bus < inputs->bus->interface_count) {
 		struct can_frame_rx stamped = *frame;
@@ -118,19 +138,22 @@ static void read_bus(struct inputs *inputs, int64_t until_ns)
 
 void inputs_advance(struct inputs *inputs, int64_t now_ns, struct nav_view *out)
 {
-	struct vehicle_state state;
-	while (inputs->now_ns < now_ns - STEP_NS) {
+	struct vehicle_state *state = &inputs->state;
+	while (inputs->nav.pkg && inputs->now_ns < now_ns - STEP_NS) {
 		/* After a long pause of ours only the last second is stepped through finely. */
 		int64_t behind = now_ns - inputs->now_ns;
 		inputs->now_ns += behind > 60 * NS_PER_S ? behind - NS_PER_S : STEP_NS;
 		read_bus(inputs, inputs->now_ns);
-		vehicle_sample(&inputs->vehicle, inputs->now_ns, &state);
-		nav_update(&inputs->nav, &state, inputs->now_ns, inputs_wall_ns(inputs, inputs->now_ns), NULL);
+		vehicle_sample(&inputs->vehicle, inputs->now_ns, state);
+		nav_update(&inputs->nav, state, inputs->now_ns, inputs_wall_ns(inputs, inputs->now_ns), NULL);
 	}
 	inputs->now_ns = now_ns;
 	read_bus(inputs, now_ns);
-	vehicle_sample(&inputs->vehicle, now_ns, &state);
-	nav_update(&inputs->nav, &state, now_ns, inputs_wall_ns(inputs, now_ns), out);
+	vehicle_sample(&inputs->vehicle, now_ns, state);
+	if (inputs->nav.pkg)
+		nav_update(&inputs->nav, state, now_ns, inputs_wall_ns(inputs, now_ns), out);
+	else
+		nav_without_map(state, now_ns, inputs_wall_ns(inputs, now_ns), out);
 }
 
 bool inputs_ended(const struct inputs *inputs)

@@ -17,8 +17,10 @@
 struct inputs {
 	struct car car;
 	struct vehicle vehicle;
+	struct vehicle_state state; /* at now_ns */
 	struct destination destination;
-	struct nav nav;
+	bool destination_waits;          /* heard before there was a map */
+	struct nav nav;                  /* nav.pkg NULL: no map yet */
 	struct can_bus *bus;             /* NULL: no car, the view stands still */
 	struct candump_writer *recorder; /* NULL: not recording */
 	int record_fd;
@@ -27,8 +29,11 @@ struct inputs {
 	struct can_frame_rx batch[INPUTS_BATCH];
 };
 
-/* Returns 0 or -errno after logging one line. `pkg`, `profile` and `options` are borrowed. */
+/* Returns 0 or -errno after logging one line. `pkg`, `profile` and `options` are borrowed. `pkg` NULL: the map comes
+ * later, with inputs_map(); until then the view tells the inputs alone. */
 int inputs_open(struct inputs *inputs, const struct options *options, const struct profile *profile,
+	const struct pkg *pkg, struct arena *arena);
+int inputs_map(struct inputs *inputs, const struct options *options, const struct profile *profile,
 	const struct pkg *pkg, struct arena *arena);
 
 /* Reads what has come until `now_ns`, steps the navigation there in steps of at most 10 ms, and tells the view. Never

@@ -10,6 +10,7 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 
+#include "board/city.h"
 #include "board/inputs.h"
 #include "board/options.h"
 #include "board/png_write.h"
@@ -18,21 +19,22 @@
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
 #include "platform/display/display.h"
-#include "render/frame.h"
+#include "render/screen.h"
 
 #define CPU_SHARE_MIN ((uint64_t)3 << 20)
 #define CPU_SHARE_MAX ((uint64_t)96 << 20)
+#define LOADING_STEP_NS (2 * NS_PER_MS)
 
 struct machine {
 	struct options options;
 	struct profile profile;
 	uint8_t *memory; /* the CPU's part of the budget, one reservation */
-	uint64_t memory_bytes, gpu_bytes;
+	uint64_t memory_bytes;
 	struct arena boot;
-	struct pkg pkg;
 	struct inputs inputs;
 	struct display display;
-	struct renderer *renderer;
+	struct screen screen;
+	struct city city;
 	uint8_t *pixels; /* width * height * 4 */
 	struct stats stats;
 	bool simulated; /* the clock follows the frames, not the wall */
@@ -63,7 +65,7 @@ static void catch_signals(void)
 	sigaction(SIGTERM, &action, NULL);
 }
 
-/* One reservation for everything of ours on the CPU: no more than half of the budget, of which settle_shares() gives
+/* One reservation for everything of ours on the CPU: no more than half of the budget, of which the city gives
  * the GPU what is not needed. */
 static int reserve_memory(struct machine *m)
 {
@@ -107,15 +109,6 @@ static int load_profile(struct machine *m)
 	return 0;
 }
 
-static int open_package(struct machine *m)
-{
-	struct pkg_fault fault;
-	int status = pkg_open(&m->pkg, m->options.package, &fault);
-	if (status < 0)
-		log_error("%s: byte %llu: %s", m->options.package, (unsigned long long)fault.offset, fault.text);
-	return status;
-}
-
 static int open_display(struct machine *m)
 {
 	const char *name = m->options.display;
@@ -133,62 +126,23 @@ static int open_display(struct machine *m)
 	return display_open(&m->display, ops, &config);
 }
 
-/* Once all but the renderer has its memory: what the renderer and the picture need more, and the GPU has the rest. */
-static void settle_shares(struct machine *m, const struct renderer_config *config)
+/* What everything is drawn into, and where it is read back. */
+static int open_screen(struct machine *m)
 {
-	uint64_t wanted =
-		m->boot.used + renderer_arena_bytes(config, &m->pkg) + (uint64_t)config->width * config->height * 4;
-	if (wanted < m->memory_bytes)
-		m->boot.size = (size_t)wanted;
-	m->gpu_bytes = m->options.budget_bytes - m->boot.size;
-}
-
-static int open_renderer(struct machine *m)
-{
-	struct options *o = &m->options;
-	static const enum wording_units units[] = {
-		[PROFILE_UNITS_AUTO] = UNITS_AUTO,
-		[PROFILE_UNITS_METRIC] = UNITS_METRIC,
-		[PROFILE_UNITS_IMPERIAL] = UNITS_MILES_FEET,
-	};
-	struct renderer_config config = {
+	const struct options *o = &m->options;
+	struct screen_config config = {
 		.width = o->width,
 		.height = o->height,
 		.samples = o->samples > 0 ? (uint32_t)o->samples : 1,
-		.far_name = o->far_name ? o->far_name : "auto",
-		.tau_px = o->tau_px,
-		.deterministic = m->simulated,
 		.get_proc = display_get_proc,
-		.overlay = true,
-		.overlay_config = {
-			.units = units[m->profile.units],
-			.zone_given = true,
-			.utc_offset_minutes = (int32_t)m->pkg.meta->utc_offset_minutes,
-		},
 	};
-	settle_shares(m, &config);
-	config.gpu_budget_bytes = m->gpu_bytes;
-	int status = renderer_init(&m->renderer, &m->boot, &config, &m->pkg);
-	if (status == -ENOMEM)
-		log_error("the budget of %llu MiB is too small for %s at %u x %u", (unsigned long long)(o->budget_bytes >> 20),
-			o->package, o->width, o->height);
-	if (status < 0)
-		return status;
-	if (o->camera_view) {
-		int kind = camera_from_name(o->camera_view);
-		if (kind < 0) {
-			log_error("no camera called '%s': driver, chase, heading-up, north-up", o->camera_view);
-			return -EINVAL;
-		}
-		renderer_camera(m->renderer)->kind = (enum camera_kind)kind;
-	}
+	int status = screen_init(&m->screen, &m->boot, &config);
 	m->pixels = arena_alloc(&m->boot, (size_t)o->width * o->height * 4, 64);
-	if (!m->pixels) {
-		log_error("the budget of %llu MiB is too small to read back %u x %u pixels",
-			(unsigned long long)(o->budget_bytes >> 20), o->width, o->height);
-		return -ENOMEM;
-	}
-	return 0;
+	if (status == 0 && m->pixels)
+		return 0;
+	log_error("no picture of %u x %u pixels with a budget of %llu MiB: %s", o->width, o->height,
+		(unsigned long long)(o->budget_bytes >> 20), strerror(status < 0 ? -status : ENOMEM));
+	return -ENOMEM;
 }
 
 static int make_frames_folder(const char *path)
@@ -201,46 +155,65 @@ static int make_frames_folder(const char *path)
 	return 0;
 }
 
-/* Bad input first, then this machine: returns an exit status. */
+static void begin_map(struct machine *m)
+{
+	struct city_config config = {
+		.options = &m->options,
+		.profile = &m->profile,
+		.screen = &m->screen,
+		.inputs = &m->inputs,
+		.arena = &m->boot,
+		.simulated = m->simulated,
+	};
+	city_begin(&m->city, &config);
+}
+
+/* Whether the map is there or may still come; else *code says why not. */
+static bool map_may_come(struct machine *m, int *code)
+{
+	city_step(&m->city);
+	*code = m->city.exit_code;
+	return m->city.state != CITY_FAILED;
+}
+
+/* This machine first, the map beside or after it: returns an exit status. */
 static int start(struct machine *m)
 {
+	int code;
 	if (load_profile(m) < 0)
-		return EXIT_CODE_BAD_INPUT;
-	if (open_package(m) < 0)
 		return EXIT_CODE_BAD_INPUT;
 	if (reserve_memory(m) < 0)
 		return EXIT_CODE_FAILED;
-	int status = inputs_open(&m->inputs, &m->options, &m->profile, &m->pkg, &m->boot);
+	if (m->options.frames && make_frames_folder(m->options.frames) < 0)
+		return EXIT_CODE_FAILED;
+	if (open_display(m) < 0 || open_screen(m) < 0)
+		return EXIT_CODE_FAILED;
+	int status = inputs_open(&m->inputs, &m->options, &m->profile, NULL, &m->boot);
 	if (status < 0)
 		return status == -ENOMEM || (m->options.can_count && !m->options.replay) ? EXIT_CODE_FAILED
 																				 : EXIT_CODE_BAD_INPUT;
-	if (m->options.frames && make_frames_folder(m->options.frames) < 0)
-		return EXIT_CODE_FAILED;
-	if (open_display(m) < 0)
-		return EXIT_CODE_FAILED;
-	status = open_renderer(m);
-	if (status == -EFBIG)
-		return EXIT_CODE_BAD_INPUT;
-	if (status < 0)
-		return status == -EINVAL ? EXIT_CODE_USAGE : EXIT_CODE_FAILED;
+	begin_map(m);
+	if (m->simulated && !map_may_come(m, &code))
+		return code;
 	return EXIT_CODE_DONE;
 }
 
 static void gather_stats(struct machine *m)
 {
-	struct renderer_stats drawn;
-	renderer_stats(m->renderer, &drawn);
+	struct renderer_stats drawn = { .far_name = "none" };
+	if (m->city.renderer)
+		renderer_stats(m->city.renderer, &drawn);
 	struct stats *s = &m->stats;
-	s->renderer = drawn.gl_renderer;
+	s->renderer = gfx_caps(m->screen.gfx)->renderer;
 	s->far_name = drawn.far_name;
 	s->width = m->options.width;
 	s->height = m->options.height;
-	s->samples = drawn.samples;
+	s->samples = gfx_target_samples(m->screen.gfx, m->screen.target);
 	s->tau_px = m->options.tau_px;
 	s->damaged_chunks = drawn.chunks_damaged;
 	s->budget_bytes = m->options.budget_bytes;
 	s->cpu_high_water_bytes = m->boot.high_water;
-	s->gpu_high_water_bytes = drawn.gpu_bytes_high_water;
+	s->gpu_high_water_bytes = gfx_stats(m->screen.gfx)->bytes_high_water;
 	s->allocations_after_start = m->boot.late;
 	s->can_frames_in = m->inputs.vehicle.frames_in;
 	s->can_frames_bad = m->inputs.vehicle.frames_bad + (m->inputs.bus ? m->inputs.bus->stats.bad : 0);
@@ -258,9 +231,8 @@ static void write_stats(struct machine *m)
 		log_error("%s: cannot write: %s", m->options.stats, strerror(-status));
 }
 
-static void handle_key(struct machine *m, enum display_key key)
+static void handle_camera_key(struct camera *camera, enum display_key key)
 {
-	struct camera *camera = renderer_camera(m->renderer);
 	switch (key) {
 	case DISPLAY_KEY_CAMERA:
 		camera_next(camera);
@@ -273,6 +245,16 @@ static void handle_key(struct machine *m, enum display_key key)
 	case DISPLAY_KEY_DOWN:
 		camera_zoom(camera, 0.8);
 		break;
+	default:
+		break;
+	}
+}
+
+static void handle_key(struct machine *m, enum display_key key)
+{
+	if (m->city.renderer)
+		handle_camera_key(renderer_camera(m->city.renderer), key);
+	switch (key) {
 	case DISPLAY_KEY_NIGHT:
 		m->night = !m->night;
 		break;
@@ -302,7 +284,7 @@ static void handle_events(struct machine *m)
 static void count_frame(struct machine *m, int64_t took_ns, const struct nav_view *view)
 {
 	struct renderer_stats drawn;
-	renderer_stats(m->renderer, &drawn);
+	renderer_stats(m->city.renderer, &drawn);
 	struct stats *s = &m->stats;
 	histogram_add(&s->frame_ns, (uint64_t)took_ns);
 	histogram_add(&s->triangles, drawn.triangles);
@@ -320,10 +302,21 @@ static void count_frame(struct machine *m, int64_t took_ns, const struct nav_vie
 		s->cells_entered++;
 		m->last_half = view->half;
 	}
-	if (s->frames++ == 0) {
+	s->frames++;
+	if (!m->city.drawn) {
 		s->first_frame_ms = (double)(clock_now_ns() - m->started_ns) / 1e6;
 		arena_seal(&m->boot);
 	}
+	city_drawn(&m->city);
+}
+
+/* To the window, or to memory; waits for the picture there, so that the time is that of the whole frame. */
+static void bring_out(struct machine *m)
+{
+	if (m->display.ops->has_window)
+		screen_present(&m->screen, m->display.width, m->display.height);
+	else
+		screen_read_pixels(&m->screen, m->pixels);
 }
 
 static void draw(struct machine *m, int64_t now_ns, const struct nav_view *view)
@@ -335,12 +328,8 @@ static void draw(struct machine *m, int64_t now_ns, const struct nav_view *view)
 		.ambient = m->profile.style == PROFILE_STYLE_DAY ? 1.0 : view->ambient,
 	};
 	int64_t began = clock_now_ns();
-	renderer_draw(m->renderer, view, &time);
-	if (m->display.ops->has_window)
-		renderer_present(m->renderer, m->display.width, m->display.height);
-	else
-		renderer_read_pixels(
-			m->renderer, m->pixels); /* waits for the picture: so the time is that of the whole frame */
+	renderer_draw(m->city.renderer, view, &time);
+	bring_out(m);
 	count_frame(m, clock_now_ns() - began, view);
 }
 
@@ -354,7 +343,7 @@ static int save_frame(struct machine *m)
 		(int)sizeof(path))
 		return -ENAMETOOLONG;
 	if (m->display.ops->has_window)
-		renderer_read_pixels(m->renderer, m->pixels);
+		screen_read_pixels(&m->screen, m->pixels);
 	return png_write(path, m->pixels, m->options.width, m->options.height);
 }
 
@@ -381,12 +370,27 @@ static bool is_over(const struct machine *m)
 		   (m->options.replay && inputs_ended(&m->inputs));
 }
 
+/* Until there is a map the loop only listens; what was on the screen before stays. */
+static int wait_for_map(struct machine *m)
+{
+	int code = EXIT_CODE_DONE;
+	while (m->city.state != CITY_READY && !m->quit && !stop_asked) {
+		handle_events(m);
+		if (!map_may_come(m, &code))
+			return code;
+		if (m->city.state == CITY_OPENING)
+			clock_sleep_until(clock_now_ns() + LOADING_STEP_NS);
+	}
+	return code;
+}
+
 static int run(struct machine *m)
 {
 	static struct nav_view view;
 	int64_t now_ns = 0;
 	m->last_half = PKG_NONE;
-	do {
+	int code = wait_for_map(m);
+	while (m->city.state == CITY_READY && !is_over(m)) {
 		handle_events(m);
 		now_ns = next_time(m, now_ns);
 		inputs_advance(&m->inputs, now_ns, &view);
@@ -399,22 +403,22 @@ static int run(struct machine *m)
 			stats_asked = 0;
 			write_stats(m);
 		}
-	} while (!is_over(m));
-	return EXIT_CODE_DONE;
+	}
+	return code;
 }
 
 static int finish(struct machine *m, int code)
 {
-	if (m->renderer && m->stats.frames)
+	if (m->screen.gfx && m->stats.frames)
 		write_stats(m);
 	int status = inputs_close(&m->inputs);
 	if (status < 0 && code == EXIT_CODE_DONE) {
 		log_error("%s: cannot write: %s", m->options.record, strerror(-status));
 		code = EXIT_CODE_FAILED;
 	}
-	renderer_finish(m->renderer);
+	city_finish(&m->city);
+	screen_finish(&m->screen);
 	display_close(&m->display);
-	pkg_close(&m->pkg);
 	if (m->memory)
 		munmap(m->memory, (size_t)m->memory_bytes);
 	return code;

@@ -477,6 +477,13 @@ static void view_inputs(const struct vehicle_state *vehicle, struct nav_view *ou
 	}
 }
 
+void nav_without_map(const struct vehicle_state *vehicle, int64_t now_ns, int64_t wall_ns, struct nav_view *out)
+{
+	*out = (struct nav_view){ .time_ns = now_ns, .wall_ns = wall_ns, .half = PKG_NONE };
+	out->next = out->after_next = (struct nav_step){ .from_half = PKG_NONE, .to_half = PKG_NONE };
+	view_inputs(vehicle, out);
+}
+
 void nav_update(
 	struct nav *nav, const struct vehicle_state *vehicle, int64_t now_ns, int64_t wall_ns, struct nav_view *out)
 {

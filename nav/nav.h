@@ -102,6 +102,9 @@ void nav_clear_destination(struct nav *nav);
 void nav_update(
 	struct nav *nav, const struct vehicle_state *vehicle, int64_t now_ns, int64_t wall_ns, struct nav_view *out);
 
+/* The view while there is no map yet: the inputs alone. */
+void nav_without_map(const struct vehicle_state *vehicle, int64_t now_ns, int64_t wall_ns, struct nav_view *out);
+
 /* The two halves of it, for tools and tests without a bus: nav_snapshot() fills all but the group of inputs, which
  * stays as it is (the lamps and the gear in it tell which way the car may go). */
 void nav_advance(struct nav *nav, const struct nav_input *input, int64_t now_ns);

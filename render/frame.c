@@ -41,7 +41,8 @@
 struct renderer {
 	struct renderer_config config;
 	const struct pkg *pkg;
-	struct gfx *gfx;
+	struct screen own_screen;
+	struct gfx *gfx; /* of the screen */
 	gfx_target target;
 	gfx_buffer frame_block;
 	struct near_mesh mesh;
@@ -75,17 +76,21 @@ static struct renderer_config with_defaults(const struct renderer_config *given)
 static int make_objects(struct renderer *renderer, struct arena *arena)
 {
 	const struct renderer_config *config = &renderer->config;
-	struct gfx_config gfx_config = { .get_proc = config->get_proc };
-	int err = gfx_init(&renderer->gfx, arena, config->gfx, &gfx_config);
+	const struct screen *screen = config->screen;
+	int err = 0;
+	if (!screen) {
+		struct screen_config own = { config->width, config->height, config->samples, config->gfx, config->get_proc };
+		err = screen_init(&renderer->own_screen, arena, &own);
+		screen = &renderer->own_screen;
+	}
+	renderer->gfx = screen->gfx;
+	renderer->target = screen->target;
 	if (err)
 		return err;
-	struct gfx_target_desc target = { .width = config->width, .height = config->height, .samples = config->samples };
 	struct gfx_buffer_desc block = {
 		.kind = GFX_BUFFER_UNIFORM, .usage = GFX_STREAM, .bytes = sizeof(struct frame_block)
 	};
-	err = gfx_target_create(renderer->gfx, &target, &renderer->target);
-	if (!err)
-		err = gfx_buffer_create(renderer->gfx, &block, &renderer->frame_block);
+	err = gfx_buffer_create(renderer->gfx, &block, &renderer->frame_block);
 	if (!err)
 		err = sky_init(&renderer->sky, renderer->gfx);
 	if (!err)
@@ -233,7 +238,7 @@ void renderer_finish(struct renderer *renderer)
 	scene_finish(&renderer->scene);
 	if (renderer->config.overlay)
 		overlay_finish(&renderer->overlay);
-	gfx_finish(renderer->gfx);
+	screen_finish(&renderer->own_screen);
 	renderer->gfx = NULL;
 }
 

@@ -16,6 +16,7 @@
 #include "render/gfx.h"
 #include "render/overlay.h"
 #include "render/repr.h"
+#include "render/screen.h"
 
 struct renderer;
 
@@ -30,6 +31,7 @@ struct renderer_config {
 	bool deterministic;          /* loading takes the same number of frames, whatever the machine's speed */
 	enum repr_show show;         /* pictures for looking at what is far */
 	const struct gfx_ops *gfx;   /* default gfx_gles3 */
+	const struct screen *screen; /* what to draw into, shared with others and borrowed; NULL: one of its own */
 	void (*(*get_proc)(const char *name))(void); /* display_get_proc, or NULL */
 	bool overlay;                                /* route ribbon, labels, read-outs */
 	struct overlay_config overlay_config;

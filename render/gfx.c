@@ -188,6 +188,28 @@ const struct gfx_stats *gfx_stats(const struct gfx *gfx)
 	return &gfx->stats;
 }
 
+void gfx_set_between(struct gfx *gfx, void (*between)(void *context), void *context)
+{
+	gfx->between = between;
+	gfx->between_context = context;
+}
+
+static void leave_time(struct gfx *gfx)
+{
+	void (*between)(void *context) = gfx->between;
+	if (!between || gfx->pass.id)
+		return;
+	struct gfx_stats around = gfx->stats;
+	uint32_t stream_copy = gfx->stream_copy;
+	gfx->between = NULL;
+	between(gfx->between_context);
+	gfx->between = between;
+	gfx->stream_copy = stream_copy;
+	gfx->stats.draws = around.draws;
+	gfx->stats.triangles = around.triangles;
+	gfx->stats.bytes_uploaded = around.bytes_uploaded;
+}
+
 int gfx_buffer_create(struct gfx *gfx, const struct gfx_buffer_desc *desc, gfx_buffer *out)
 {
 	uint32_t slot;
@@ -205,6 +227,7 @@ int gfx_buffer_create(struct gfx *gfx, const struct gfx_buffer_desc *desc, gfx_b
 	account(gfx, gfx_buffer_bytes(desc));
 	if (desc->data)
 		gfx->stats.bytes_uploaded += desc->bytes;
+	leave_time(gfx);
 	return 0;
 }
 
@@ -224,6 +247,7 @@ int gfx_texture_create(struct gfx *gfx, const struct gfx_texture_desc *desc, gfx
 		return err;
 	}
 	account(gfx, gfx_texture_bytes(desc));
+	leave_time(gfx);
 	return 0;
 }
 
@@ -277,6 +301,7 @@ int gfx_program_create(struct gfx *gfx, const struct gfx_program_desc *desc, gfx
 		pool_drop(&gfx->program_pool, slot);
 		out->id = 0;
 	}
+	leave_time(gfx);
 	return err;
 }
 
@@ -352,6 +377,7 @@ void gfx_buffer_write(struct gfx *gfx, gfx_buffer buffer, uint32_t offset, const
 		return;
 	gfx->stats.bytes_uploaded += bytes;
 	gfx->ops->buffer_write(gfx, slot, offset, data, bytes);
+	leave_time(gfx);
 }
 
 void gfx_texture_write(struct gfx *gfx, gfx_texture texture, const struct gfx_region *region, const void *texels)
@@ -360,6 +386,7 @@ void gfx_texture_write(struct gfx *gfx, gfx_texture texture, const struct gfx_re
 	assert(region->level < slot->desc.levels);
 	gfx->stats.bytes_uploaded += gfx_format_bytes(slot->desc.format, region->width, region->height, region->layers);
 	gfx->ops->texture_write(gfx, slot, region, texels);
+	leave_time(gfx);
 }
 
 gfx_texture gfx_target_texture(const struct gfx *gfx, gfx_target target)

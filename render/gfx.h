@@ -237,6 +237,11 @@ void gfx_target_part(struct gfx *gfx, gfx_target target, uint32_t width, uint32_
 
 void gfx_frame_begin(struct gfx *gfx);
 
+/* `between` is called after every creation and texture or buffer write outside of passes, so that long work (loading a
+ * city) leaves time for something short. It may draw a frame of its own: stats and stream buffers of the frame around
+ * it stay as they are. Not called from within itself; NULL ends it. */
+void gfx_set_between(struct gfx *gfx, void (*between)(void *context), void *context);
+
 struct gfx_clear {
 	bool color, depth; /* depth is cleared to 1 */
 	float rgba[4];

@@ -55,6 +55,8 @@ struct gfx {
 	struct gfx_pipeline_slot *pipelines;
 	gfx_target pass; /* the target being drawn into */
 	uint32_t stream_copy;
+	void (*between)(void *context);
+	void *between_context;
 };
 
 /* All mandatory. Creations return 0, -ENOMEM or -EINVAL and leave nothing behind when they fail. */

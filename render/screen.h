@@ -1,0 +1,34 @@
+/*
+ * The GPU and the one picture that everything is drawn into: the map's renderer, and what must be there before it or
+ * without it. Made once at start, before any of them.
+ */
+#ifndef BLVD_RENDER_SCREEN_H
+#define BLVD_RENDER_SCREEN_H
+
+#include "render/gfx.h"
+
+struct screen_config {
+	uint32_t width, height;
+	uint32_t samples;                            /* per pixel; 0 or 1 is none */
+	const struct gfx_ops *gfx;                   /* NULL: gfx_gles3 */
+	void (*(*get_proc)(const char *name))(void); /* display_get_proc, or NULL */
+};
+
+struct screen {
+	struct gfx *gfx;
+	gfx_target target;
+	uint32_t width, height;
+};
+
+/* Needs a current GL context (or the dummy back end). Returns 0, -ENOMEM, -ENOTSUP; a screen that failed is finished.
+ */
+int screen_init(struct screen *screen, struct arena *arena, const struct screen_config *config);
+/* Ends the GPU's objects of everybody who drew here. Accepts a zeroed screen. */
+void screen_finish(struct screen *screen);
+
+/* Copies the picture to the context's window of the given size. */
+void screen_present(const struct screen *screen, uint32_t width, uint32_t height);
+/* RGBA8, top row first, width * height * 4 bytes; waits for the picture. */
+void screen_read_pixels(const struct screen *screen, uint8_t *out);
+
+#endif
