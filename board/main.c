@@ -11,10 +11,12 @@
 #include <sys/stat.h>
 
 #include "board/city.h"
+#include "board/controls.h"
 #include "board/inputs.h"
 #include "board/options.h"
 #include "board/png_write.h"
 #include "board/profile.h"
+#include "board/settings.h"
 #include "board/stats.h"
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
@@ -32,13 +34,15 @@ struct machine {
 	uint64_t memory_bytes;
 	struct arena boot;
 	struct inputs inputs;
+	struct controls controls;
+	struct settings settings;
 	struct display display;
 	struct screen screen;
 	struct city city;
 	uint8_t *pixels; /* width * height * 4 */
 	struct stats stats;
 	bool simulated; /* the clock follows the frames, not the wall */
-	bool night, paused;
+	bool paused;
 	bool quit;
 	int64_t started_ns; /* of the process */
 	int64_t origin_ns;  /* real time that is 0 on the frames' clock */
@@ -105,7 +109,7 @@ static int load_profile(struct machine *m)
 		o->budget_bytes = m->profile.budget_bytes;
 	if (o->samples < 0)
 		o->samples = (int)m->profile.samples;
-	m->night = m->profile.style == PROFILE_STYLE_NIGHT;
+	settings_init(&m->settings, &m->profile, o);
 	return 0;
 }
 
@@ -155,6 +159,12 @@ static int make_frames_folder(const char *path)
 	return 0;
 }
 
+/* Lines and devices know the machine's own clock, a script that of the frames. */
+static int64_t controls_time(const struct machine *m, int64_t frame_ns)
+{
+	return m->simulated ? frame_ns : clock_now_ns();
+}
+
 static void begin_map(struct machine *m)
 {
 	struct city_config config = {
@@ -192,6 +202,9 @@ static int start(struct machine *m)
 	if (status < 0)
 		return status == -ENOMEM || (m->options.can_count && !m->options.replay) ? EXIT_CODE_FAILED
 																				 : EXIT_CODE_BAD_INPUT;
+	status = controls_open(&m->controls, &m->options, &m->profile, m->simulated, controls_time(m, 0), &m->boot);
+	if (status < 0)
+		return status == -ENOMEM ? EXIT_CODE_FAILED : EXIT_CODE_BAD_INPUT;
 	begin_map(m);
 	if (m->simulated && !map_may_come(m, &code))
 		return code;
@@ -231,42 +244,23 @@ static void write_stats(struct machine *m)
 		log_error("%s: cannot write: %s", m->options.stats, strerror(-status));
 }
 
-static void handle_camera_key(struct camera *camera, enum display_key key)
+static void act(struct machine *m, enum action action)
 {
-	switch (key) {
-	case DISPLAY_KEY_CAMERA:
-		camera_next(camera);
-		break;
-	case DISPLAY_KEY_ZOOM_IN:
-	case DISPLAY_KEY_UP:
-		camera_zoom(camera, 1.25);
-		break;
-	case DISPLAY_KEY_ZOOM_OUT:
-	case DISPLAY_KEY_DOWN:
-		camera_zoom(camera, 0.8);
-		break;
-	default:
-		break;
-	}
+	if (action == ACTION_QUIT)
+		m->quit = true;
+	else if (action == ACTION_PAUSE)
+		m->paused = m->options.replay && !m->paused;
+	else
+		settings_act(&m->settings, action);
 }
 
-static void handle_key(struct machine *m, enum display_key key)
+static void handle_controls(struct machine *m, int64_t now_ns)
 {
+	controls_advance(&m->controls, controls_time(m, now_ns));
+	for (enum action action; (action = controls_next(&m->controls)) != ACTION_NONE;)
+		act(m, action);
 	if (m->city.renderer)
-		handle_camera_key(renderer_camera(m->city.renderer), key);
-	switch (key) {
-	case DISPLAY_KEY_NIGHT:
-		m->night = !m->night;
-		break;
-	case DISPLAY_KEY_PAUSE:
-		m->paused = m->options.replay && !m->paused;
-		break;
-	case DISPLAY_KEY_QUIT:
-		m->quit = true;
-		break;
-	default:
-		break;
-	}
+		settings_apply(&m->settings, m->city.renderer);
 }
 
 static void handle_events(struct machine *m)
@@ -277,7 +271,7 @@ static void handle_events(struct machine *m)
 		if (event.kind == DISPLAY_EVENT_CLOSE)
 			m->quit = true;
 		else if (event.kind == DISPLAY_EVENT_KEY)
-			handle_key(m, event.key);
+			act(m, controls_action_of_key(event.key));
 	}
 }
 
@@ -324,8 +318,9 @@ static void draw(struct machine *m, int64_t now_ns, const struct nav_view *view)
 	struct renderer_time time = {
 		.time_ns = now_ns,
 		.wall_ns = inputs_wall_ns(&m->inputs, now_ns),
-		.force_night = m->night,
-		.ambient = m->profile.style == PROFILE_STYLE_DAY ? 1.0 : view->ambient,
+		.force_night =
+			m->settings.light == LIGHT_NIGHT || (m->settings.light == LIGHT_AUTO && m->controls.state.night.on),
+		.ambient = m->settings.light == LIGHT_DAY ? 1.0 : view->ambient,
 	};
 	int64_t began = clock_now_ns();
 	renderer_draw(m->city.renderer, view, &time);
@@ -376,6 +371,7 @@ static int wait_for_map(struct machine *m)
 	int code = EXIT_CODE_DONE;
 	while (m->city.state != CITY_READY && !m->quit && !stop_asked) {
 		handle_events(m);
+		handle_controls(m, 0);
 		if (!map_may_come(m, &code))
 			return code;
 		if (m->city.state == CITY_OPENING)
@@ -393,6 +389,7 @@ static int run(struct machine *m)
 	while (m->city.state == CITY_READY && !is_over(m)) {
 		handle_events(m);
 		now_ns = next_time(m, now_ns);
+		handle_controls(m, now_ns);
 		inputs_advance(&m->inputs, now_ns, &view);
 		draw(m, now_ns, &view);
 		if (m->display.ops->has_window && display_present(&m->display) < 0)
@@ -416,6 +413,7 @@ static int finish(struct machine *m, int code)
 		log_error("%s: cannot write: %s", m->options.record, strerror(-status));
 		code = EXIT_CODE_FAILED;
 	}
+	controls_close(&m->controls);
 	city_finish(&m->city);
 	screen_finish(&m->screen);
 	display_close(&m->display);

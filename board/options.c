@@ -13,6 +13,7 @@ const char *argp_program_version = "boulevard " BLVD_VERSION;
 enum {
 	OPT_REPLAY = 256,
 	OPT_CAN,
+	OPT_GPIO,
 	OPT_DBC,
 	OPT_HEADLESS,
 	OPT_SIZE,
@@ -36,6 +37,7 @@ enum {
 static const struct argp_option option_table[] = {
 	{ "replay", OPT_REPLAY, "LOG.candump", 0, "replay a log; with --headless the clock is simulated", 0 },
 	{ "can", OPT_CAN, "INTERFACE", 0, "read a CAN interface; repeat for more", 0 },
+	{ "gpio", OPT_GPIO, "CHIP", 0, "chip of the profile's lines; sim:FILE plays a script instead", 0 },
 	{ "headless", OPT_HEADLESS, NULL, 0, "the same as --display headless: no display, no GPU, no root", 0 },
 	{ "display", OPT_DISPLAY, "NAME", 0, "window or headless", 0 },
 	{ "size", OPT_SIZE, "WxH", 0, "picture size in pixels", 0 },
@@ -117,6 +119,9 @@ static error_t parse_input(int key, char *value, struct options *out, struct arg
 		return 0;
 	case OPT_CAN:
 		list_add(out->can, &out->can_count, "--can", value, state);
+		return 0;
+	case OPT_GPIO:
+		out->gpio = value;
 		return 0;
 	case OPT_DBC:
 		list_add(out->dbc, &out->dbc_count, "--dbc", value, state);

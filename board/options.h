@@ -19,6 +19,7 @@ struct options {
 	int can_count;
 	const char *dbc[OPTIONS_LIST_MAX];
 	int dbc_count;
+	const char *gpio; /* a chip, or "sim:" and a script */
 	const char *profile;
 	const char *display; /* "headless", "window" */
 	const char *far_name;

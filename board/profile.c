@@ -37,14 +37,20 @@ __attribute__((format(printf, 2, 3))) static bool fail(struct reader *in, const 
 	return false;
 }
 
+static bool out_of_memory(struct reader *in)
+{
+	fail(in, "the profile does not fit in the memory set aside for it");
+	in->status = -ENOMEM;
+	return false;
+}
+
 static const char *keep(struct reader *in, const char *text)
 {
 	size_t size = strlen(text) + 1;
 	char *copy = arena_alloc(in->arena, size, 1);
 	if (copy)
 		return memcpy(copy, text, size);
-	fail(in, "the profile does not fit in the memory set aside for it");
-	in->status = -ENOMEM;
+	out_of_memory(in);
 	return NULL;
 }
 
@@ -348,6 +354,22 @@ static bool set_in_signals(struct reader *in, const char *key, char *value)
 	return unknown(in, "signals", key);
 }
 
+static bool set_in_gpio(struct reader *in, const char *section, const char *key, char *value)
+{
+	char error[160];
+	switch (profile_gpio_set(&in->profile->gpio, section, key, value, in->line, in->arena, error, sizeof(error))) {
+	case PROFILE_GPIO_DONE:
+		return true;
+	case PROFILE_GPIO_WRONG:
+		return fail(in, "%s", error);
+	case PROFILE_GPIO_NO_MEMORY:
+		return out_of_memory(in);
+	case PROFILE_GPIO_UNKNOWN:
+		break;
+	}
+	return unknown(in, section, key);
+}
+
 static bool set_word(struct reader *in, const char *section, const char *key, char *value)
 {
 	static const char *const styles[] = { "auto", "day", "dusk", "night", NULL };
@@ -390,6 +412,8 @@ static int set_key(void *user, const char *section, const char *key, const char 
 			in->profile->has_heading |= number_keys[i].field == FIELD(start_heading_deg);
 			return set_number(in, &number_keys[i], value);
 		}
+	if (!strcmp(section, "gpio") || !strcmp(section, "input"))
+		return set_in_gpio(in, section, key, copy);
 	return strcmp(section, "signals") ? set_word(in, section, key, copy) : set_in_signals(in, key, copy);
 }
 
@@ -428,6 +452,7 @@ static void defaults(struct profile *out, const char *path)
 		.samples = 4,
 		.budget_bytes = UINT64_C(512) << 20,
 		.steering_ratio = 15.0,
+		.gpio = { .rotary_steps = 4 },
 	};
 }
 

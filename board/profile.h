@@ -9,6 +9,7 @@
 #ifndef BLVD_BOARD_PROFILE_H
 #define BLVD_BOARD_PROFILE_H
 
+#include "board/profile_gpio.h"
 #include "nav/vehicle.h"
 #include "platform/base/arena.h"
 #include "platform/base/geo.h"
@@ -66,6 +67,7 @@ struct profile {
 	double understeer_s2pm2;
 	bool speed_signed;
 	struct profile_signal signals[VEHICLE_INPUT_COUNT];
+	struct profile_gpio gpio;
 	unsigned warnings; /* unknown keys; each was logged */
 };
 

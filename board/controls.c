@@ -1,0 +1,285 @@
+/* Lines -> levels -> actions. A frame's work is a few dozen events; all times are the edges' own. */
+#include "board/controls.h"
+
+#include <errno.h>
+#include <string.h>
+
+#include "platform/base/clock.h"
+#include "platform/base/log.h"
+
+#define DEBOUNCE_MS 10
+#define DEBOUNCE_CAR_MS 20 /* lines of the car carry more noise than a knob's */
+#define LONG_MS 700
+#define REPEAT_NS (150 * NS_PER_MS)
+#define BATCH 64
+
+static void add_action(struct controls *controls, enum action action)
+{
+	if (controls->queue_count == CONTROLS_QUEUE) {
+		controls->actions_dropped++;
+		return;
+	}
+	controls->queue[(controls->queue_first + controls->queue_count++) % CONTROLS_QUEUE] = action;
+}
+
+enum action controls_next(struct controls *controls)
+{
+	if (!controls->queue_count)
+		return ACTION_NONE;
+	enum action action = controls->queue[controls->queue_first];
+	controls->queue_first = (controls->queue_first + 1) % CONTROLS_QUEUE;
+	controls->queue_count--;
+	return action;
+}
+
+enum action controls_action_of_key(enum display_key key)
+{
+	static const enum action actions[] = {
+		[DISPLAY_KEY_UP] = ACTION_UP,
+		[DISPLAY_KEY_DOWN] = ACTION_DOWN,
+		[DISPLAY_KEY_LEFT] = ACTION_TURN_LEFT,
+		[DISPLAY_KEY_RIGHT] = ACTION_TURN_RIGHT,
+		[DISPLAY_KEY_ZOOM_IN] = ACTION_ZOOM_IN,
+		[DISPLAY_KEY_ZOOM_OUT] = ACTION_ZOOM_OUT,
+		[DISPLAY_KEY_CAMERA] = ACTION_VIEW,
+		[DISPLAY_KEY_NIGHT] = ACTION_LIGHT,
+		[DISPLAY_KEY_PAUSE] = ACTION_PAUSE,
+		[DISPLAY_KEY_QUIT] = ACTION_QUIT,
+	};
+	return (size_t)key < sizeof(actions) / sizeof(*actions) ? actions[key] : ACTION_NONE;
+}
+
+static void turn(struct controls *controls, int detents)
+{
+	if (detents)
+		add_action(controls, (detents > 0) != controls->knob_swapped ? ACTION_TURN_RIGHT : ACTION_TURN_LEFT);
+}
+
+static void press(struct controls *controls, enum control_line role, enum press_kind kind)
+{
+	static const enum action shorts[CONTROL_LINE_COUNT] = {
+		[CONTROL_PUSH] = ACTION_PUSH,
+		[CONTROL_BACK] = ACTION_BACK,
+		[CONTROL_ZOOM_IN] = ACTION_ZOOM_IN,
+		[CONTROL_ZOOM_OUT] = ACTION_ZOOM_OUT,
+		[CONTROL_VIEW] = ACTION_VIEW,
+	};
+	if (kind == PRESS_LONG && role == CONTROL_PUSH)
+		add_action(controls, ACTION_BACK);
+	else if (kind != PRESS_NONE)
+		add_action(controls, shorts[role]);
+}
+
+static struct control_switch *switch_of(struct controls *controls, enum control_line role)
+{
+	switch (role) {
+	case CONTROL_REVERSE:
+		return &controls->state.reverse;
+	case CONTROL_IGNITION:
+		return &controls->state.ignition;
+	case CONTROL_NIGHT:
+		return &controls->state.night;
+	default:
+		return NULL;
+	}
+}
+
+/* A debounced level is new. */
+static void take_level(struct controls *controls, enum control_line role)
+{
+	const struct debounce *contact = &controls->contact[role];
+	struct control_switch *out = switch_of(controls, role);
+	if (out)
+		*out = (struct control_switch){ true, contact->level, contact->level_ns };
+	else
+		press(controls, role, press_feed(&controls->press[role], contact->level, contact->level_ns));
+}
+
+static void take_knob(struct controls *controls, enum control_line role, const struct gpio_event *event)
+{
+	unsigned contact = role == CONTROL_ROTARY_B;
+	if (event->kind == GPIO_LEVEL)
+		quadrature_level(&controls->knob, contact, event->level, event->time_ns);
+	else
+		turn(controls, quadrature_edge(&controls->knob, contact, event->level, event->time_ns));
+}
+
+/* A button that is down when its line is first heard, or again, has not been pushed by anyone we saw. */
+static void take_first_level(struct controls *controls, enum control_line role, const struct gpio_event *event)
+{
+	struct debounce *contact = &controls->contact[role];
+	debounce_feed(contact, event->level, event->time_ns);
+	if (switch_of(controls, role)) {
+		take_level(controls, role);
+		return;
+	}
+	press_feed(&controls->press[role], event->level, event->time_ns);
+	controls->press[role].told = true;
+	controls->press[role].next_ns = INT64_MAX;
+}
+
+static void lose(struct controls *controls, enum control_line role)
+{
+	struct control_switch *out = switch_of(controls, role);
+	controls->contact[role].known = false;
+	press_cancel(&controls->press[role]);
+	if (out)
+		out->known = false;
+	if (role == CONTROL_ROTARY_A || role == CONTROL_ROTARY_B)
+		controls->knob.known[role == CONTROL_ROTARY_B] = false;
+}
+
+static void take_event(struct controls *controls, const struct gpio_event *event)
+{
+	enum control_line role = (enum control_line)controls->role[event->line];
+	if (event->kind == GPIO_STATE) {
+		if (event->state != GPIO_GOOD)
+			lose(controls, role);
+	} else if (role == CONTROL_ROTARY_A || role == CONTROL_ROTARY_B)
+		take_knob(controls, role, event);
+	else if (!controls->contact[role].known)
+		take_first_level(controls, role, event);
+	else if (debounce_feed(&controls->contact[role], event->level, event->time_ns))
+		take_level(controls, role);
+}
+
+static void settle(struct controls *controls, int64_t now_ns)
+{
+	for (unsigned i = 0; controls->gpio && i < controls->gpio->line_count; i++) {
+		enum control_line role = (enum control_line)controls->role[i];
+		struct debounce *contact = &controls->contact[role];
+		if (!contact->known)
+			continue;
+		if (debounce_settle(contact, now_ns))
+			take_level(controls, role);
+		press(controls, role, press_settle(&controls->press[role], debounce_sure_ns(contact, now_ns)));
+	}
+}
+
+void controls_advance(struct controls *controls, int64_t now_ns)
+{
+	struct gpio_event events[BATCH];
+	int count = BATCH;
+	controls->now_ns = now_ns;
+	while (controls->gpio && count == BATCH) {
+		count = gpio_read(controls->gpio, now_ns, events, BATCH);
+		for (int i = 0; i < count; i++)
+			take_event(controls, &events[i]);
+	}
+	settle(controls, now_ns);
+}
+
+static const char *line_fault(enum control_line role, enum gpio_state state)
+{
+	bool knob = role >= CONTROL_ROTARY_A;
+	switch (state) {
+	case GPIO_BUSY:
+		return knob                      ? "Controls in use elsewhere"
+			   : role == CONTROL_REVERSE ? "Reverse line in use elsewhere"
+										 : "Car lines in use elsewhere";
+	case GPIO_GONE:
+	case GPIO_REFUSED:
+		return knob ? "Controls lost" : role == CONTROL_REVERSE ? "Reverse line lost" : "Car lines lost";
+	default:
+		return NULL;
+	}
+}
+
+/* Roles are in the order of what their loss costs. */
+const char *controls_fault(const struct controls *controls)
+{
+	for (unsigned i = 0; controls->gpio && i < controls->gpio->line_count; i++) {
+		enum control_line role = (enum control_line)controls->role[i];
+		const char *words = line_fault(role, controls->gpio->lines[i].state);
+		if (!words && debounce_chatters(&controls->contact[role], controls->now_ns))
+			words = role == CONTROL_REVERSE ? "Reverse line chatters" : "A control's contact chatters";
+		if (words)
+			return words;
+	}
+	return NULL;
+}
+
+static void set_times(struct controls *controls, enum control_line role, const struct profile_line *line)
+{
+	int32_t hold_ms = line->debounce_ms, long_ms = line->long_ms >= 0 ? line->long_ms : LONG_MS;
+	if (hold_ms < 0)
+		hold_ms = role <= CONTROL_NIGHT ? DEBOUNCE_CAR_MS : DEBOUNCE_MS;
+	controls->contact[role].hold_ns = hold_ms * NS_PER_MS;
+	controls->press[role].long_ns = long_ms * NS_PER_MS;
+	if (role == CONTROL_ZOOM_IN || role == CONTROL_ZOOM_OUT)
+		controls->press[role].repeat_ns = REPEAT_NS;
+}
+
+/* The script of "sim:FILE", "" for "sim" alone; NULL for a real chip. */
+static const char *sim_script(const struct options *options)
+{
+	if (!options->gpio || strncmp(options->gpio, "sim", 3) != 0)
+		return NULL;
+	return options->gpio[3] == ':' ? options->gpio + 4 : options->gpio[3] ? NULL : "";
+}
+
+/* A log is replayed without the board's lines, unless they are asked for; never on a simulated clock, which they do not
+ * know. */
+static const struct gpio_ops *choose_ops(const struct options *options, bool simulated)
+{
+	if (sim_script(options))
+		return &gpio_sim_ops;
+	if (simulated || (options->replay && !options->gpio))
+		return NULL;
+#ifdef BLVD_HAVE_GPIOD
+	return &gpio_libgpiod_ops;
+#else
+	log_warn("this program was built without libgpiod: the profile's lines are not read");
+	return NULL;
+#endif
+}
+
+/* With a script every control is there, whether the profile has a pin for it or not. A car without an ignition line is
+ * on, so this one only where the profile has it. */
+static bool wanted(const struct profile *profile, int role, bool scripted)
+{
+	return profile->gpio.lines[role].line > 0 || (scripted && role != CONTROL_IGNITION);
+}
+
+int controls_open(struct controls *controls, const struct options *options, const struct profile *profile,
+	bool simulated, int64_t now_ns, struct arena *arena)
+{
+	struct gpio_line_config lines[GPIO_LINES_MAX];
+	const char *names[GPIO_LINES_MAX];
+	const char *script = sim_script(options);
+	unsigned count = 0;
+	*controls = (struct controls){ .knob_swapped = profile->gpio.rotary_swapped, .now_ns = now_ns };
+	quadrature_init(&controls->knob, script ? 4 : profile->gpio.rotary_steps);
+	for (int role = 0; role < CONTROL_LINE_COUNT; role++) {
+		const struct profile_line *line = &profile->gpio.lines[role];
+		if (!wanted(profile, role, script != NULL))
+			continue;
+		set_times(controls, (enum control_line)role,
+			line->line ? line : &(struct profile_line){ .debounce_ms = -1, .long_ms = -1 });
+		lines[count] = line->at;
+		if (options->gpio)
+			lines[count].chip = options->gpio;
+		names[count] = control_line_name((enum control_line)role);
+		controls->role[count++] = (uint8_t)role;
+	}
+	const struct gpio_ops *ops = count ? choose_ops(options, simulated) : NULL;
+	if (!ops && options->gpio)
+		log_warn("--gpio %s: %s", options->gpio, count ? "not with a simulated clock" : "no lines in the profile");
+	if (!ops)
+		return 0;
+	struct gpio_config config = {
+		.consumer = "boulevard",
+		.lines = lines,
+		.line_count = count,
+		.script = script && *script ? script : NULL,
+		.names = names,
+		.start_ns = now_ns,
+	};
+	return gpio_open(&controls->gpio, ops, &config, arena);
+}
+
+void controls_close(struct controls *controls)
+{
+	gpio_close(controls->gpio);
+	controls->gpio = NULL;
+}
