@@ -14,6 +14,7 @@
 #include "board/controls.h"
 #include "board/inputs.h"
 #include "board/options.h"
+#include "board/panel.h"
 #include "board/png_write.h"
 #include "board/profile.h"
 #include "board/settings.h"
@@ -37,6 +38,7 @@ struct machine {
 	struct controls controls;
 	struct settings settings;
 	struct display display;
+	struct panel_pace pace;
 	struct screen screen;
 	struct city city;
 	uint8_t *pixels; /* width * height * 4 */
@@ -115,19 +117,12 @@ static int load_profile(struct machine *m)
 
 static int open_display(struct machine *m)
 {
-	const char *name = m->options.display;
-	if (!name)
-		name = getenv("DISPLAY") || getenv("WAYLAND_DISPLAY") ? "window" : "headless";
-	const struct display_ops *ops = display_by_name(name);
-	if (!ops) {
-		log_error("this program was built without display '%s'", name);
-		return -ENODEV;
-	}
-	struct display_config config = {
-		.width = m->options.width, .height = m->options.height, .title = "Boulevard", .vsync = true
-	};
-	m->simulated = m->options.replay && !ops->has_window;
-	return display_open(&m->display, ops, &config);
+	int status = panel_open(&m->display, &m->options, &m->profile);
+	if (status < 0)
+		return status;
+	m->simulated = m->options.replay && m->display.surface == DISPLAY_SURFACE_NONE;
+	panel_pace_init(&m->pace, &m->options, &m->profile);
+	return 0;
 }
 
 /* What everything is drawn into, and where it is read back. */
@@ -304,15 +299,6 @@ static void count_frame(struct machine *m, int64_t took_ns, const struct nav_vie
 	city_drawn(&m->city);
 }
 
-/* To the window, or to memory; waits for the picture there, so that the time is that of the whole frame. */
-static void bring_out(struct machine *m)
-{
-	if (m->display.ops->has_window)
-		screen_present(&m->screen, m->display.width, m->display.height);
-	else
-		screen_read_pixels(&m->screen, m->pixels);
-}
-
 static void draw(struct machine *m, int64_t now_ns, const struct nav_view *view)
 {
 	struct renderer_time time = {
@@ -324,7 +310,7 @@ static void draw(struct machine *m, int64_t now_ns, const struct nav_view *view)
 	};
 	int64_t began = clock_now_ns();
 	renderer_draw(m->city.renderer, view, &time);
-	bring_out(m);
+	panel_bring_out(&m->display, &m->screen, m->pixels);
 	count_frame(m, clock_now_ns() - began, view);
 }
 
@@ -337,7 +323,7 @@ static int save_frame(struct machine *m)
 	if (snprintf(path, sizeof(path), "%s/frame-%06llu.png", m->options.frames, (unsigned long long)number) >=
 		(int)sizeof(path))
 		return -ENAMETOOLONG;
-	if (m->display.ops->has_window)
+	if (m->display.surface == DISPLAY_SURFACE_WINDOW)
 		screen_read_pixels(&m->screen, m->pixels);
 	return png_write(path, m->pixels, m->options.width, m->options.height);
 }
@@ -391,8 +377,10 @@ static int run(struct machine *m)
 		now_ns = next_time(m, now_ns);
 		handle_controls(m, now_ns);
 		inputs_advance(&m->inputs, now_ns, &view);
+		if (m->display.hidden)
+			continue;
 		draw(m, now_ns, &view);
-		if (m->display.ops->has_window && display_present(&m->display) < 0)
+		if (panel_show(&m->display, &m->screen, m->pixels) < 0)
 			return EXIT_CODE_FAILED;
 		if (save_frame(m) < 0)
 			return EXIT_CODE_FAILED;

@@ -19,6 +19,7 @@ enum {
 	OPT_SIZE,
 	OPT_FPS,
 	OPT_DISPLAY,
+	OPT_MODE,
 	OPT_PROFILE,
 	OPT_FAR,
 	OPT_TAU,
@@ -39,7 +40,8 @@ static const struct argp_option option_table[] = {
 	{ "can", OPT_CAN, "INTERFACE", 0, "read a CAN interface; repeat for more", 0 },
 	{ "gpio", OPT_GPIO, "CHIP", 0, "chip of the profile's lines; sim:FILE plays a script instead", 0 },
 	{ "headless", OPT_HEADLESS, NULL, 0, "the same as --display headless: no display, no GPU, no root", 0 },
-	{ "display", OPT_DISPLAY, "NAME", 0, "window or headless", 0 },
+	{ "display", OPT_DISPLAY, "NAME", 0, "window, headless or kms[:DEVICE]", 0 },
+	{ "mode", OPT_MODE, "WxH[@HZ]", 0, "mode of a panel; default the one that it prefers", 0 },
 	{ "size", OPT_SIZE, "WxH", 0, "picture size in pixels", 0 },
 	{ "fps", OPT_FPS, "N", 0, "frames a second", 0 },
 	{ "profile", OPT_PROFILE, "FILE", 0, "board profile; options override it", 0 },
@@ -111,6 +113,28 @@ static double parse_tau(const char *text, struct argp_state *state)
 	return tau;
 }
 
+/* "kms:/dev/dri/card1" */
+static void parse_display(struct options *out, char *value)
+{
+	char *device = strchr(value, ':');
+	out->display = value;
+	out->device = device ? device + 1 : NULL;
+	if (device)
+		*device = 0;
+}
+
+static void check_display(const struct options *out, struct argp_state *state)
+{
+	static const char *const names[] = { "headless", "window", "kms" };
+	bool known = !out->display;
+	for (size_t i = 0; i < sizeof(names) / sizeof(names[0]) && !known; i++)
+		known = !strcmp(out->display, names[i]);
+	if (!known)
+		argp_error(state, "no display called '%s': window, headless or kms", out->display);
+	if (out->device && (strcmp(out->display, "kms") != 0 || !*out->device))
+		argp_error(state, "only kms takes a device: kms:/dev/dri/card0");
+}
+
 static error_t parse_input(int key, char *value, struct options *out, struct argp_state *state)
 {
 	switch (key) {
@@ -154,7 +178,10 @@ static error_t parse_picture(int key, char *value, struct options *out, struct a
 		out->display = "headless";
 		return 0;
 	case OPT_DISPLAY:
-		out->display = value;
+		parse_display(out, value);
+		return 0;
+	case OPT_MODE:
+		out->mode = value;
 		return 0;
 	case OPT_SIZE:
 		parse_size(out, value, state);
@@ -214,8 +241,7 @@ static void check_whole(const struct options *out, struct argp_state *state)
 		argp_error(state, "no city package");
 	if (out->replay && out->can_count)
 		argp_error(state, "--replay and --can exclude each other");
-	if (out->display && strcmp(out->display, "headless") != 0 && strcmp(out->display, "window") != 0)
-		argp_error(state, "no display called '%s': window or headless", out->display);
+	check_display(out, state);
 }
 
 static error_t parse_option(int key, char *value, struct argp_state *state)

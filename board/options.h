@@ -21,7 +21,9 @@ struct options {
 	int dbc_count;
 	const char *gpio; /* a chip, or "sim:" and a script */
 	const char *profile;
-	const char *display; /* "headless", "window" */
+	const char *display; /* "headless", "window", "kms" */
+	const char *device;  /* after "kms:" */
+	const char *mode;    /* "1280x720@60" */
 	const char *far_name;
 	const char *camera_view; /* --view */
 	const char *frames;      /* folder */

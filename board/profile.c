@@ -81,6 +81,10 @@ static const struct number_key number_keys[] = {
 	{ "display", "width", KIND_U32, FIELD(width), 64, 8192 },
 	{ "display", "height", KIND_U32, FIELD(height), 64, 8192 },
 	{ "display", "fps", KIND_U32, FIELD(fps), 1, 240 },
+	{ "display", "fps_standstill", KIND_U32, FIELD(fps_standstill), 0, 240 },
+	{ "display", "fps_ignition_off", KIND_U32, FIELD(fps_ignition_off), 0, 240 },
+	{ "display", "brightness_day", KIND_DOUBLE, FIELD(brightness_day), 0.05, 1 },
+	{ "display", "brightness_night", KIND_DOUBLE, FIELD(brightness_night), 0.05, 1 },
 	{ "display", "msaa", KIND_U32, FIELD(samples), 0, 16 },
 	{ "memory", "budget_mib", KIND_MIB, FIELD(budget_bytes), 16, 65536 },
 	{ "car", "wheelbase_m", KIND_DOUBLE, FIELD(wheelbase_m), 0.5, 20 },
@@ -370,6 +374,40 @@ static bool set_in_gpio(struct reader *in, const char *section, const char *key,
 	return unknown(in, section, key);
 }
 
+static bool set_rotation(struct reader *in, const char *value)
+{
+	static const char *const turns[] = { "0", "90", "180", "270", NULL };
+	int choice = choose(in, "rotation", value, turns);
+	in->profile->rotation_deg = choice > 0 ? (uint32_t)choice * 90 : 0;
+	return choice >= 0;
+}
+
+static bool set_buffers(struct reader *in, const char *value)
+{
+	static const char *const ways[] = { "auto", "gbm", "dumb", NULL };
+	int choice = choose(in, "buffers", value, ways);
+	in->profile->buffers = choice >= 0 ? (enum profile_buffers)choice : PROFILE_BUFFERS_AUTO;
+	return choice >= 0;
+}
+
+/* A key of the panel, kept as it is. False: not one of these. */
+static bool is_panel_text(struct reader *in, const char *key, const char *value, bool *done)
+{
+	const struct {
+		const char *key;
+		const char **to;
+	} texts[] = { { "device", &in->profile->device }, { "connector", &in->profile->connector },
+		{ "mode", &in->profile->mode }, { "vt", &in->profile->vt }, { "backlight", &in->profile->backlight } };
+	for (size_t i = 0; i < sizeof(texts) / sizeof(texts[0]); i++) {
+		if (strcmp(key, texts[i].key) != 0)
+			continue;
+		*texts[i].to = keep(in, value);
+		*done = *texts[i].to != NULL;
+		return true;
+	}
+	return false;
+}
+
 static bool set_word(struct reader *in, const char *section, const char *key, char *value)
 {
 	static const char *const styles[] = { "auto", "day", "dusk", "night", NULL };
@@ -386,6 +424,13 @@ static bool set_word(struct reader *in, const char *section, const char *key, ch
 		profile->units = (enum profile_units)choice;
 		return choice >= 0;
 	}
+	bool done;
+	if (!strcmp(section, "display") && is_panel_text(in, key, value, &done))
+		return done;
+	if (!strcmp(section, "display") && !strcmp(key, "rotation"))
+		return set_rotation(in, value);
+	if (!strcmp(section, "display") && !strcmp(key, "buffers"))
+		return set_buffers(in, value);
 	if (!strcmp(section, "car") && !strcmp(key, "speed_signed"))
 		return parse_bool(value, &profile->speed_signed) || fail(in, "speed_signed is '%.40s', not yes or no", value);
 	if (!strcmp(section, "can") && !strcmp(key, "dbc"))
@@ -450,6 +495,8 @@ static void defaults(struct profile *out, const char *path)
 		.height = 720,
 		.fps = 60,
 		.samples = 4,
+		.brightness_day = 1.0,
+		.brightness_night = 1.0,
 		.budget_bytes = UINT64_C(512) << 20,
 		.steering_ratio = 15.0,
 		.gpio = { .rotary_steps = 4 },

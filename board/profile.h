@@ -21,6 +21,9 @@
 enum profile_style { PROFILE_STYLE_AUTO, PROFILE_STYLE_DAY, PROFILE_STYLE_DUSK, PROFILE_STYLE_NIGHT };
 enum profile_units { PROFILE_UNITS_AUTO, PROFILE_UNITS_METRIC, PROFILE_UNITS_IMPERIAL };
 
+/* How pictures reach a panel. */
+enum profile_buffers { PROFILE_BUFFERS_AUTO, PROFILE_BUFFERS_GBM, PROFILE_BUFFERS_DUMB };
+
 struct profile_map {
 	int64_t raw;
 	const char *meaning;
@@ -50,7 +53,13 @@ struct profile {
 	const char *path; /* as it was given; "built-in profile" */
 	uint32_t width, height;
 	uint32_t fps;
-	uint32_t samples; /* MSAA; 0 or 1: none */
+	uint32_t fps_standstill, fps_ignition_off; /* 0: as fps */
+	uint32_t samples;                          /* MSAA; 0 or 1: none */
+	const char *device, *connector, *mode;     /* of a panel; NULL: whatever is there */
+	const char *vt, *backlight;                /* NULL: the active one; none */
+	uint32_t rotation_deg;                     /* clockwise; a multiple of 90 */
+	enum profile_buffers buffers;
+	double brightness_day, brightness_night; /* 0 to 1 */
 	enum profile_style style;
 	enum profile_units units;
 	uint64_t budget_bytes;

@@ -26,8 +26,15 @@ int screen_init(struct screen *screen, struct arena *arena, const struct screen_
 /* Ends the GPU's objects of everybody who drew here. Accepts a zeroed screen. */
 void screen_finish(struct screen *screen);
 
-/* Copies the picture to the context's window of the given size. */
-void screen_present(const struct screen *screen, uint32_t width, uint32_t height);
+/* How the picture stands on the window. */
+struct screen_turn {
+	uint32_t width, height; /* of what the viewer sees: the window's, before it is turned */
+	unsigned turn_deg;      /* clockwise: 0, 90, 180, 270 */
+	float dim;              /* colours are multiplied with it; 1 as they are */
+};
+
+/* Copies the picture to the context's window. The first one that is turned or dimmed makes what that takes. */
+void screen_present(const struct screen *screen, const struct screen_turn *turn);
 /* RGBA8, top row first, width * height * 4 bytes; waits for the picture. */
 void screen_read_pixels(const struct screen *screen, uint8_t *out);
 

@@ -10,6 +10,9 @@ const struct display_ops *display_by_name(const char *name)
 #ifdef BLVD_HAVE_GLFW
 		&display_window,
 #endif
+#ifdef BLVD_HAVE_KMS
+		&display_kms,
+#endif
 	};
 	for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++)
 		if (!strcmp(all[i]->name, name))
@@ -19,7 +22,7 @@ const struct display_ops *display_by_name(const char *name)
 
 int display_open(struct display *display, const struct display_ops *ops, const struct display_config *config)
 {
-	*display = (struct display){ .ops = ops, .width = config->width, .height = config->height };
+	*display = (struct display){ .ops = ops, .width = config->width, .height = config->height, .dim = 1.0f };
 	int err = ops->open(display, config);
 	if (err)
 		*display = (struct display){ 0 };
@@ -41,6 +44,20 @@ int display_use(struct display *display)
 int display_present(struct display *display)
 {
 	return display->ops->present(display);
+}
+
+int display_show_pixels(struct display *display, const uint8_t *rgba, uint32_t width, uint32_t height)
+{
+	return display->ops->show_pixels(display, rgba, width, height);
+}
+
+void display_set_brightness(struct display *display, float level)
+{
+	level = level < 0.0f ? 0.0f : level > 1.0f ? 1.0f : level;
+	if (display->ops->set_brightness)
+		display->ops->set_brightness(display, level);
+	else
+		display->dim = level;
 }
 
 void display_push(struct display *display, const struct display_event *event)

@@ -29,22 +29,55 @@ struct display_event {
 	uint32_t width, height; /* of RESIZE, px */
 };
 
+/* Where pictures go, once a display is open. */
+enum display_surface {
+	DISPLAY_SURFACE_NONE,   /* nowhere: who wants them reads them back */
+	DISPLAY_SURFACE_WINDOW, /* the context's default framebuffer; then display_present() */
+	DISPLAY_SURFACE_PIXELS, /* display_show_pixels() */
+};
+
+enum display_buffers { DISPLAY_BUFFERS_AUTO, DISPLAY_BUFFERS_GBM, DISPLAY_BUFFERS_DUMB };
+
+/* Zeroes and NULLs take the defaults. Strings are borrowed until display_close(). */
 struct display_config {
 	uint32_t width, height; /* wanted, px; a panel has its own */
-	const char *title;      /* of a window; borrowed during open */
+	const char *title;      /* of a window */
 	bool vsync;
+	/* of a panel (KMS) */
+	const char *device;           /* "/dev/dri/card0"; default the first with something connected */
+	const char *connector;        /* "HDMI-A-1"; default the first that is connected */
+	const char *mode;             /* "1280x720@60", "1280x720"; default the one that the panel prefers */
+	const char *vt;               /* "/dev/tty1"; default the active one, "none" leaves the terminals alone */
+	const char *backlight;        /* folder under /sys/class/backlight; default none */
+	unsigned rotation_deg;        /* clockwise: 0, 90, 180, 270 */
+	enum display_buffers buffers; /* default: whatever works */
+};
+
+/* Since opening. */
+struct display_counts {
+	uint64_t flips;    /* pictures that reached the panel */
+	uint64_t missed;   /* pictures given up: no panel, not ours at that time, or an answer that never came */
+	uint32_t modesets; /* first pictures after a start, a hotplug or a switch of terminals */
+	uint32_t hotplugs; /* times that a panel came or went */
+	uint32_t switches; /* times that the screen was somebody else's */
 };
 
 #define DISPLAY_EVENTS_MAX 32
 struct display {
 	const struct display_ops *ops;
-	void *native[4]; /* the implementation's */
-	uint32_t width, height;
+	void *native[4];        /* the implementation's */
+	uint32_t width, height; /* as the viewer sees it */
+	enum display_surface surface;
+	bool hidden;       /* nobody can see it now: a picture need not be drawn; goes on by itself */
+	unsigned turn_deg; /* clockwise: by how much whoever fills the window has to turn the picture */
+	float dim;         /* 0 to 1: what whoever fills the window has to multiply colours with */
+	char detail[64];   /* "1280x720@60, HDMI-A-1, atomic, GBM", or empty */
+	struct display_counts counts;
 	struct display_event events[DISPLAY_EVENTS_MAX]; /* ring; when full the oldest is dropped */
 	uint32_t event_first, event_count;
 };
 
-/* All mandatory. */
+/* Mandatory but where it says otherwise. */
 struct display_ops {
 	const char *name;
 	/* Opens, makes the context current. Returns 0, -ENODEV when there is no such display here, or -EIO; logs one line.
@@ -56,17 +89,23 @@ struct display_ops {
 	/* Shows what was drawn into the context's default framebuffer; waits for the panel when vsync was asked for.
 	 * Returns 0 or -EIO. */
 	int (*present)(struct display *display);
+	/* Of a DISPLAY_SURFACE_PIXELS: shows a picture of RGBA8, top row first, any size. Returns 0 or -EIO. Optional. */
+	int (*show_pixels)(struct display *display, const uint8_t *rgba, uint32_t width, uint32_t height);
+	/* 0 dark to 1. Optional: without it the picture is dimmed by whoever draws it. */
+	void (*set_brightness)(struct display *display, float level);
 	/* Gathers what happened since the last call into the ring. Never waits. */
 	void (*pump)(struct display *display);
-	bool has_window; /* false: there is no default framebuffer to present to */
 };
 
 extern const struct display_ops display_surfaceless; /* no screen, no root, no GPU needed */
 #ifdef BLVD_HAVE_GLFW
 extern const struct display_ops display_window;
 #endif
+#ifdef BLVD_HAVE_KMS
+extern const struct display_ops display_kms; /* a panel without a window system */
+#endif
 
-/* By name: "headless", "window". NULL when it is unknown or not built in. */
+/* By name: "headless", "window", "kms". NULL when it is unknown or not built in. */
 const struct display_ops *display_by_name(const char *name);
 
 /* Zeroes *display on failure. */
@@ -75,6 +114,9 @@ int display_open(struct display *display, const struct display_ops *ops, const s
 void display_close(struct display *display);
 int display_use(struct display *display);
 int display_present(struct display *display);
+int display_show_pixels(struct display *display, const uint8_t *rgba, uint32_t width, uint32_t height);
+/* By the panel's light where there is a way, else by display->dim. Small changes cost nothing. */
+void display_set_brightness(struct display *display, float level);
 /* The next event, oldest first; false when there is none. */
 bool display_poll(struct display *display, struct display_event *out);
 

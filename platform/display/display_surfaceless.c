@@ -76,5 +76,4 @@ const struct display_ops display_surfaceless = {
 	.use = surfaceless_use,
 	.present = surfaceless_present,
 	.pump = surfaceless_pump,
-	.has_window = false,
 };

@@ -102,6 +102,7 @@ static int window_open(struct display *display, const struct display_config *con
 		return -ENODEV;
 	}
 	display->native[0] = window;
+	display->surface = DISPLAY_SURFACE_WINDOW;
 	glfwSetWindowUserPointer(window, display);
 	listen(window);
 	glfwMakeContextCurrent(window);
@@ -144,6 +145,5 @@ const struct display_ops display_window = {
 	.use = window_use,
 	.present = window_present,
 	.pump = window_pump,
-	.has_window = true,
 };
 #endif

@@ -1,0 +1,104 @@
+/*
+ * Brightness: the panel's own light where the profile names it, else the device's gamma table or colour matrix, else
+ * the picture is drawn darker.
+ */
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "platform/base/log.h"
+#include "platform/display/kms.h"
+
+#define STEP (1.0f / 128.0f) /* smaller changes cannot be seen */
+
+static unsigned read_max(const char *name)
+{
+	char path[256], text[16] = "";
+	snprintf(path, sizeof(path), "/sys/class/backlight/%s/max_brightness", name);
+	int fd = open(path, O_RDONLY | O_CLOEXEC);
+	if (fd < 0)
+		return 0;
+	ssize_t size = read(fd, text, sizeof(text) - 1);
+	close(fd);
+	return size > 0 ? (unsigned)strtoul(text, NULL, 10) : 0;
+}
+
+static bool open_backlight(struct kms_dim *dim, const char *name)
+{
+	char path[256];
+	dim->backlight_max = read_max(name);
+	snprintf(path, sizeof(path), "/sys/class/backlight/%s/brightness", name);
+	dim->backlight_fd = dim->backlight_max ? open(path, O_WRONLY | O_CLOEXEC) : -1;
+	if (dim->backlight_fd < 0)
+		log_warn("%s: %s; dimming the picture instead", path, strerror(errno));
+	return dim->backlight_fd >= 0;
+}
+
+void kms_dim_open(struct kms *kms)
+{
+	struct kms_dim *dim = &kms->dim;
+	*dim = (struct kms_dim){ .way = KMS_DIM_DEVICE, .backlight_fd = -1, .wanted = 1.0f, .shown = 1.0f };
+	if (kms->config->backlight && open_backlight(dim, kms->config->backlight))
+		dim->way = KMS_DIM_BACKLIGHT;
+}
+
+void kms_dim_close(struct kms *kms)
+{
+	if (kms->dim.way == KMS_DIM_DEVICE && kms->dim.shown < 1.0f)
+		kms_dim_set(kms, 1.0f); /* whoever comes next does not know */
+	if (kms->dim.backlight_fd >= 0)
+		close(kms->dim.backlight_fd);
+	kms->dim.backlight_fd = -1;
+	if (kms->dim.blob)
+		kms->drm->destroy_blob(kms->fd, kms->dim.blob);
+	kms->dim.blob = 0;
+}
+
+/* Never quite off: a panel that is dark looks broken. */
+static bool write_backlight(const struct kms_dim *dim)
+{
+	char text[16];
+	unsigned value = (unsigned)lroundf(dim->wanted * (float)dim->backlight_max);
+	int size = snprintf(text, sizeof(text), "%u\n", value ? value : 1);
+	return pwrite(dim->backlight_fd, text, (size_t)size, 0) == size;
+}
+
+static void apply(struct kms *kms)
+{
+	struct kms_dim *dim = &kms->dim;
+	if (dim->way == KMS_DIM_BACKLIGHT && !write_backlight(dim)) {
+		log_warn("the backlight cannot be set (%s); dimming the picture instead", strerror(errno));
+		dim->way = KMS_DIM_DEVICE;
+	}
+	if (dim->way == KMS_DIM_DEVICE) {
+		if (kms->state != KMS_ON)
+			return; /* kms_dim_again() */
+		int err = kms->commit->dim(kms, dim->wanted);
+		if (err)
+			err = kms_legacy.dim(kms, dim->wanted);
+		if (err) {
+			log_info("%s has no gamma table (%s): pictures are drawn darker", kms->device, strerror(-err));
+			dim->way = KMS_DIM_DRAWN;
+		}
+	}
+	dim->shown = dim->wanted;
+}
+
+void kms_dim_set(struct kms *kms, float level)
+{
+	struct kms_dim *dim = &kms->dim;
+	bool end = level <= 0.0f || level >= 1.0f;
+	dim->wanted = level;
+	if (fabsf(level - dim->shown) >= STEP || (end && fabsf(level - dim->shown) > 0.0f))
+		apply(kms);
+}
+
+void kms_dim_again(struct kms *kms)
+{
+	if (kms->dim.way == KMS_DIM_DEVICE && (kms->dim.wanted < 1.0f || kms->dim.shown < 1.0f))
+		apply(kms);
+}
