@@ -134,6 +134,7 @@ static int open_screen(struct machine *m)
 		.height = o->height,
 		.samples = o->samples > 0 ? (uint32_t)o->samples : 1,
 		.get_proc = display_get_proc,
+		.turns = m->display.turn_deg || m->pace.brightness_night < 1.0f || m->pace.brightness_day < 1.0f,
 	};
 	int status = screen_init(&m->screen, &m->boot, &config);
 	m->pixels = arena_alloc(&m->boot, (size_t)o->width * o->height * 4, 64);

@@ -33,8 +33,8 @@ struct panel_scene {
 struct panel_pace {
 	uint32_t fps, fps_standstill, fps_ignition_off; /* 0: as fps */
 	float brightness_day, brightness_night;         /* 0 to 1 */
-	int64_t busy_until_ns; /* at full rate so long, whatever the car does */
-	int64_t dimmed_ns;     /* when `level` was last changed */
+	int64_t busy_until_ns;                          /* at full rate so long, whatever the car does */
+	int64_t dimmed_ns;                              /* when `level` was last changed */
 	float level;
 };
 

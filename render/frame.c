@@ -79,7 +79,11 @@ static int make_objects(struct renderer *renderer, struct arena *arena)
 	const struct screen *screen = config->screen;
 	int err = 0;
 	if (!screen) {
-		struct screen_config own = { config->width, config->height, config->samples, config->gfx, config->get_proc };
+		struct screen_config own = { .width = config->width,
+			.height = config->height,
+			.samples = config->samples,
+			.gfx = config->gfx,
+			.get_proc = config->get_proc };
 		err = screen_init(&renderer->own_screen, arena, &own);
 		screen = &renderer->own_screen;
 	}

@@ -6,6 +6,7 @@
 
 #include "render/gfx_backend.h"
 
+#define WINDOW_PASS UINT32_MAX /* no target, but the window */
 #define SLOT_BITS 12
 #define SLOT_MASK ((1u << SLOT_BITS) - 1)
 
@@ -451,6 +452,19 @@ void gfx_present(struct gfx *gfx, gfx_target target, uint32_t width, uint32_t he
 {
 	assert(!gfx->pass.id);
 	gfx->ops->present(gfx, gfx_target_at(gfx, target), width, height);
+}
+
+void gfx_window_begin(struct gfx *gfx, uint32_t width, uint32_t height)
+{
+	assert(!gfx->pass.id);
+	gfx->pass.id = WINDOW_PASS;
+	gfx->ops->window_begin(gfx, width, height);
+}
+
+void gfx_window_end(struct gfx *gfx)
+{
+	assert(gfx->pass.id == WINDOW_PASS);
+	gfx->pass.id = 0;
 }
 
 void gfx_read_rgba8(struct gfx *gfx, gfx_target target, void *out)

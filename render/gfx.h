@@ -255,6 +255,10 @@ void gfx_pass_end(struct gfx *gfx);
 
 /* Copies a target's resolved colour to the context's window, whose size is given. Outside passes. */
 void gfx_present(struct gfx *gfx, gfx_target target, uint32_t width, uint32_t height);
+/* A pass over the context's window, without depth and without clearing: whoever begins it fills all of it. Ended by
+ * gfx_window_end(). */
+void gfx_window_begin(struct gfx *gfx, uint32_t width, uint32_t height);
+void gfx_window_end(struct gfx *gfx);
 /* Resolved colour, RGBA8, first row is the top of the picture: width * height * 4 bytes. Outside passes; waits. */
 void gfx_read_rgba8(struct gfx *gfx, gfx_target target, void *out);
 /* The same of a target's ids: width * height uint32_t, or four times as many. */

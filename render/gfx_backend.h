@@ -83,6 +83,7 @@ struct gfx_ops {
 	void (*draw)(struct gfx *gfx, const struct gfx_draw *draw);
 	void (*pass_end)(struct gfx *gfx, struct gfx_target_slot *slot);
 	void (*present)(struct gfx *gfx, struct gfx_target_slot *slot, uint32_t width, uint32_t height);
+	void (*window_begin)(struct gfx *gfx, uint32_t width, uint32_t height);
 	void (*read_rgba8)(struct gfx *gfx, struct gfx_target_slot *slot, void *out);
 	void (*read_ids)(struct gfx *gfx, struct gfx_target_slot *slot, uint32_t *out);
 };

@@ -147,6 +147,13 @@ static void dummy_present(struct gfx *gfx, struct gfx_target_slot *slot, uint32_
 	(void)height;
 }
 
+static void dummy_window_begin(struct gfx *gfx, uint32_t width, uint32_t height)
+{
+	(void)gfx;
+	(void)width;
+	(void)height;
+}
+
 static void dummy_read_rgba8(struct gfx *gfx, struct gfx_target_slot *slot, void *out)
 {
 	(void)gfx;
@@ -180,6 +187,7 @@ const struct gfx_ops gfx_dummy = {
 	.draw = dummy_draw,
 	.pass_end = dummy_pass_end,
 	.present = dummy_present,
+	.window_begin = dummy_window_begin,
 	.read_rgba8 = dummy_read_rgba8,
 	.read_ids = dummy_read_ids,
 };

@@ -643,6 +643,13 @@ static void gles3_present(struct gfx *gfx, struct gfx_target_slot *slot, uint32_
 		GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
 }
 
+static void gles3_window_begin(struct gfx *gfx, uint32_t width, uint32_t height)
+{
+	bind_framebuffer(gfx->impl, 0);
+	glViewport(0, 0, (GLsizei)width, (GLsizei)height);
+	set_depth(gfx->impl, GFX_DEPTH_OFF);
+}
+
 /* GL's first row is the bottom one: rows are swapped in place, a piece at a time. */
 static void flip_rows(uint8_t *px, size_t row_bytes, uint32_t rows)
 {
@@ -719,6 +726,7 @@ const struct gfx_ops gfx_gles3 = {
 	.draw = gles3_draw,
 	.pass_end = gles3_pass_end,
 	.present = gles3_present,
+	.window_begin = gles3_window_begin,
 	.read_rgba8 = gles3_read_rgba8,
 	.read_ids = gles3_read_ids,
 };

@@ -1,5 +1,24 @@
 #include "render/screen.h"
 
+#include <math.h>
+
+#include "platform/base/geo.h"
+
+static int make_turn(struct screen *screen)
+{
+	struct gfx_program_desc program = {
+		.vertex = "window.vert",
+		.fragment = "window.frag",
+		.defines = "#define NO_FRAME_BLOCK 1\n",
+		.textures = { "u_picture" },
+	};
+	int status = gfx_program_create(screen->gfx, &program, &screen->turn_program);
+	if (status < 0)
+		return status;
+	struct gfx_pipeline_desc pipeline = { .program = screen->turn_program, .primitive = GFX_TRIANGLE_STRIP };
+	return gfx_pipeline_create(screen->gfx, &pipeline, &screen->turn_pipeline);
+}
+
 int screen_init(struct screen *screen, struct arena *arena, const struct screen_config *config)
 {
 	*screen = (struct screen){ .width = config->width, .height = config->height };
@@ -9,6 +28,8 @@ int screen_init(struct screen *screen, struct arena *arena, const struct screen_
 		return status;
 	struct gfx_target_desc target = { .width = config->width, .height = config->height, .samples = config->samples };
 	status = gfx_target_create(screen->gfx, &target, &screen->target);
+	if (status == 0 && config->turns)
+		status = make_turn(screen);
 	if (status < 0)
 		screen_finish(screen);
 	return status;
@@ -20,9 +41,27 @@ void screen_finish(struct screen *screen)
 	*screen = (struct screen){ 0 };
 }
 
-void screen_present(const struct screen *screen, uint32_t width, uint32_t height)
+static void draw_turned(const struct screen *screen, const struct screen_turn *turn)
 {
-	gfx_present(screen->gfx, screen->target, width, height);
+	double angle = turn->turn_deg * (BLVD_PI / 180.0);
+	const float constants[4] = { (float)round(cos(angle)), (float)round(sin(angle)), turn->dim, 0.0f };
+	bool across = turn->turn_deg % 180 != 0;
+	struct gfx_draw draw = { .pipeline = screen->turn_pipeline,
+		.count = 4,
+		.textures = { gfx_target_texture(screen->gfx, screen->target) },
+		.constants = constants,
+		.constant_count = 1 };
+	gfx_window_begin(screen->gfx, across ? turn->height : turn->width, across ? turn->width : turn->height);
+	gfx_draw(screen->gfx, &draw);
+	gfx_window_end(screen->gfx);
+}
+
+void screen_present(const struct screen *screen, const struct screen_turn *turn)
+{
+	if (screen->turn_pipeline.id && (turn->turn_deg || turn->dim < 1.0f))
+		draw_turned(screen, turn);
+	else
+		gfx_present(screen->gfx, screen->target, turn->width, turn->height);
 }
 
 void screen_read_pixels(const struct screen *screen, uint8_t *out)

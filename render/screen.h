@@ -12,12 +12,15 @@ struct screen_config {
 	uint32_t samples;                            /* per pixel; 0 or 1 is none */
 	const struct gfx_ops *gfx;                   /* NULL: gfx_gles3 */
 	void (*(*get_proc)(const char *name))(void); /* display_get_proc, or NULL */
+	bool turns;                                  /* screen_present() may have to turn or to dim */
 };
 
 struct screen {
 	struct gfx *gfx;
 	gfx_target target;
 	uint32_t width, height;
+	gfx_program turn_program; /* of config.turns, else none */
+	gfx_pipeline turn_pipeline;
 };
 
 /* Needs a current GL context (or the dummy back end). Returns 0, -ENOMEM, -ENOTSUP; a screen that failed is finished.
@@ -28,12 +31,12 @@ void screen_finish(struct screen *screen);
 
 /* How the picture stands on the window. */
 struct screen_turn {
-	uint32_t width, height; /* of what the viewer sees: the window's, before it is turned */
+	uint32_t width, height; /* as the viewer sees it; the window lies across when it is turned by 90 or 270 */
 	unsigned turn_deg;      /* clockwise: 0, 90, 180, 270 */
 	float dim;              /* colours are multiplied with it; 1 as they are */
 };
 
-/* Copies the picture to the context's window. The first one that is turned or dimmed makes what that takes. */
+/* Copies the picture to the context's window, stretched to fit; turned and dimmed when config.turns was set. */
 void screen_present(const struct screen *screen, const struct screen_turn *turn);
 /* RGBA8, top row first, width * height * 4 bytes; waits for the picture. */
 void screen_read_pixels(const struct screen *screen, uint8_t *out);
