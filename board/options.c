@@ -126,7 +126,9 @@ static void parse_display(struct options *out, char *value)
 static void check_display(const struct options *out, struct argp_state *state)
 {
 	static const char *const names[] = { "headless", "window", "kms" };
-	bool known = !out->display;
+	bool known = false;
+	if (!out->display)
+		return;
 	for (size_t i = 0; i < sizeof(names) / sizeof(names[0]) && !known; i++)
 		known = !strcmp(out->display, names[i]);
 	if (!known)

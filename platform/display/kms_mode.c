@@ -74,7 +74,7 @@ static uint64_t score(const drmModeModeInfo *mode, const struct kms_mode_wish *w
 uint32_t kms_mode_order(const drmModeModeInfo *modes, int count, const struct kms_mode_wish *wish,
 	const drmModeModeInfo *current, uint8_t order[KMS_MODES_MAX])
 {
-	uint64_t scores[KMS_MODES_MAX];
+	uint64_t scores[KMS_MODES_MAX] = { 0 };
 	uint32_t kept = 0;
 	for (int i = 0; i < count && i < KMS_MODES_MAX; i++) {
 		uint64_t mine = score(&modes[i], wish, current);
