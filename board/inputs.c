@@ -136,6 +136,27 @@ static void read_bus(struct inputs *inputs, int64_t until_ns)
 	}
 }
 
+/* The bus that is worst off, for the driver. */
+static void tell_bus(const struct inputs *inputs, int64_t now_ns, struct nav_view *out)
+{
+	static const enum nav_bus_state states[] = {
+		[CAN_HEALTH_PASSIVE] = NAV_BUS_ERRORS,
+		[CAN_HEALTH_OFF] = NAV_BUS_OFF,
+		[CAN_HEALTH_DOWN] = NAV_BUS_DOWN,
+	};
+	const struct can_interface *worst = NULL;
+	for (unsigned i = 0; inputs->bus && i < inputs->bus->interface_count; i++) {
+		const struct can_interface *interface = &inputs->bus->interfaces[i];
+		if (states[interface->health] > (worst ? states[worst->health] : NAV_BUS_GOOD))
+			worst = interface;
+	}
+	out->bus = worst ? states[worst->health] : NAV_BUS_GOOD;
+	out->bus_age_ns = worst && now_ns > worst->health_ns ? now_ns - worst->health_ns : 0;
+	memset(out->bus_name, 0, sizeof(out->bus_name));
+	if (worst)
+		memcpy(out->bus_name, worst->name, sizeof(out->bus_name));
+}
+
 void inputs_advance(struct inputs *inputs, int64_t now_ns, struct nav_view *out)
 {
 	struct vehicle_state *state = &inputs->state;
@@ -154,6 +175,7 @@ void inputs_advance(struct inputs *inputs, int64_t now_ns, struct nav_view *out)
 		nav_update(&inputs->nav, state, now_ns, inputs_wall_ns(inputs, now_ns), out);
 	else
 		nav_without_map(state, now_ns, inputs_wall_ns(inputs, now_ns), out);
+	tell_bus(inputs, now_ns, out);
 }
 
 bool inputs_ended(const struct inputs *inputs)

@@ -54,6 +54,16 @@ enum nav_signal {
 	NAV_SIGNAL_COUNT,
 };
 
+/* State of the car's buses: that of the one that is worst off. */
+enum nav_bus_state {
+	NAV_BUS_GOOD,   /* or there is none, or nothing was heard of them yet */
+	NAV_BUS_ERRORS, /* the controller sees many errors (error passive) */
+	NAV_BUS_OFF,    /* the controller has cut itself off */
+	NAV_BUS_DOWN,   /* the interface is down or gone */
+};
+
+#define NAV_BUS_NAME_SIZE 16
+
 enum nav_gear { NAV_GEAR_UNKNOWN, NAV_GEAR_PARK, NAV_GEAR_REVERSE, NAV_GEAR_NEUTRAL, NAV_GEAR_DRIVE };
 enum nav_turn_lamp { NAV_TURN_LAMP_OFF, NAV_TURN_LAMP_LEFT, NAV_TURN_LAMP_RIGHT, NAV_TURN_LAMP_HAZARD };
 
@@ -111,6 +121,9 @@ struct nav_view {
 	double ambient; /* 0 dark to 1 full daylight; negative: unknown */
 	enum nav_signal_state signal[NAV_SIGNAL_COUNT];
 	int64_t signal_age_ns[NAV_SIGNAL_COUNT]; /* INT64_MAX: never seen */
+	enum nav_bus_state bus;
+	char bus_name[NAV_BUS_NAME_SIZE]; /* of the bus in that state; "" with NAV_BUS_GOOD */
+	int64_t bus_age_ns;               /* for how long */
 };
 
 #endif

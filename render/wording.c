@@ -152,8 +152,23 @@ static bool input_words(char *out, const struct nav_view *nav, size_t row)
 	return true;
 }
 
+static bool bus_words(char *out, const struct nav_view *nav)
+{
+	static const char *const words[] = { [NAV_BUS_ERRORS] = "errors", [NAV_BUS_OFF] = "off", [NAV_BUS_DOWN] = "down" };
+	int64_t age_s = nav->bus_age_ns / NS_PER_S;
+	if (nav->bus == NAV_BUS_GOOD)
+		return false;
+	if (age_s < 3600)
+		snprintf(out, WORDING_MAX, "Bus %s %s %d s", nav->bus_name, words[nav->bus], (int)age_s);
+	else
+		snprintf(out, WORDING_MAX, "Bus %s %s", nav->bus_name, words[nav->bus]);
+	return true;
+}
+
 bool wording_inputs(char *out, const struct nav_view *nav)
 {
+	if (bus_words(out, nav)) /* why the signals are missing */
+		return true;
 	if (!nav->located) {
 		snprintf(out, WORDING_MAX, "No position");
 		return true;

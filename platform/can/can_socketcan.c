@@ -4,7 +4,9 @@
  * without reopening. Frames of interfaces that nobody asked for are passed over.
  *
  * cangen into a slow reader lost a third of the frames with the default socket buffer: hence the large one, reading
- * in batches, and SO_RXQ_OVFL to know what was lost all the same.
+ * in batches, and SO_RXQ_OVFL to know what was lost all the same. Whether interfaces are there and up is looked at four
+ * times a second: asking costs microseconds and needs no right, where watching netlink would need one more kind of
+ * socket in the sandbox.
  */
 #include <errno.h>
 #include <linux/can/error.h>
@@ -20,9 +22,12 @@
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
 #include "platform/can/can_bus.h"
+#include "platform/can/can_clock.h"
 #include "platform/can/can_linux.h"
 
 #define BATCH 64
+#define LOOK_NS (250 * NS_PER_MS)
+#define LOOK_AGAIN_NS (20 * NS_PER_MS) /* when a frame comes from an interface that is not known */
 #define RECEIVE_BYTES (4 << 20)
 #define CONTROL_SIZE (CMSG_SPACE(sizeof(struct timespec)) + CMSG_SPACE(sizeof(uint32_t)))
 
@@ -30,7 +35,9 @@ struct can_socket {
 	struct can_bus bus; /* first: a can_bus of ours is one of these */
 	int fd;
 	int if_index[CAN_BUS_MAX]; /* 0: not there now */
-	uint32_t overflow;         /* last count of the kernel, wraps */
+	int64_t looked_ns;         /* at the interfaces */
+	struct can_clock clock;
+	uint32_t overflow; /* last count of the kernel, wraps */
 	struct mmsghdr messages[BATCH];
 	struct iovec vectors[BATCH];
 	struct sockaddr_can addresses[BATCH];
@@ -42,6 +49,7 @@ struct can_socket {
 static int look_at_interfaces(struct can_socket *socket, int64_t now_ns)
 {
 	struct can_bus *bus = &socket->bus;
+	socket->looked_ns = now_ns;
 	for (unsigned i = 0; i < bus->interface_count; i++) {
 		struct ifreq request = { 0 };
 		memcpy(request.ifr_name, bus->interfaces[i].name, sizeof(bus->interfaces[i].name));
@@ -59,12 +67,22 @@ static int look_at_interfaces(struct can_socket *socket, int64_t now_ns)
 	return 0;
 }
 
-static uint8_t bus_of(const struct can_socket *socket, int if_index)
+static uint8_t find_index(const struct can_socket *socket, int if_index)
 {
 	for (unsigned i = 0; i < socket->bus.interface_count; i++)
 		if (socket->if_index[i] == if_index)
 			return (uint8_t)i;
 	return CAN_BUS_NONE;
+}
+
+/* One that was deleted and made again has another index: its first frame is not to be lost. */
+static uint8_t bus_of(struct can_socket *socket, int if_index, int64_t now_ns)
+{
+	uint8_t bus = find_index(socket, if_index);
+	if (bus != CAN_BUS_NONE || now_ns - socket->looked_ns < LOOK_AGAIN_NS)
+		return bus;
+	look_at_interfaces(socket, now_ns);
+	return find_index(socket, if_index);
 }
 
 static void want_receive_buffer(int fd, int bytes)
@@ -147,15 +165,6 @@ static void read_controls(struct can_socket *socket, struct msghdr *header, int6
 	}
 }
 
-/* The kernel's stamp is wall time; its distance to the present wall time is the frame's age. */
-static int64_t frame_time(const struct can_socket *socket, int64_t stamp_ns, int64_t wall_ns, int64_t now_ns)
-{
-	int64_t time_ns = now_ns - (wall_ns - stamp_ns);
-	if (time_ns > now_ns)
-		time_ns = now_ns;
-	return time_ns > socket->bus.last_ns ? time_ns : socket->bus.last_ns;
-}
-
 /* One batch. Returns how many messages came, or -errno; the frames of ours among them are added to `frames`. */
 static int read_batch(struct can_socket *socket, struct can_frame_rx *frames, int capacity, int *count)
 {
@@ -165,6 +174,7 @@ static int read_batch(struct can_socket *socket, struct can_frame_rx *frames, in
 	if (n < 0)
 		return -errno;
 	int64_t wall_ns = clock_wall_ns(), now_ns = clock_now_ns();
+	can_clock_set(&socket->clock, wall_ns, now_ns);
 	socket->bus.wall_offset_ns = wall_ns - now_ns;
 	for (int i = 0; i < n; i++) {
 		int64_t stamp_ns = wall_ns;
@@ -172,10 +182,10 @@ static int read_batch(struct can_socket *socket, struct can_frame_rx *frames, in
 		read_controls(socket, &socket->messages[i].msg_hdr, &stamp_ns);
 		if (!can_linux_unpack(&socket->frames[i], socket->messages[i].msg_len, &frame))
 			continue;
-		frame.bus = bus_of(socket, socket->addresses[i].can_ifindex);
+		frame.bus = bus_of(socket, socket->addresses[i].can_ifindex, now_ns);
 		if (frame.bus == CAN_BUS_NONE)
 			continue;
-		frame.time_ns = frame_time(socket, stamp_ns, wall_ns, now_ns);
+		frame.time_ns = can_clock_time(&socket->clock, stamp_ns, now_ns);
 		can_bus_note_frame(&socket->bus, &frame);
 		frames[(*count)++] = frame;
 	}
@@ -187,16 +197,19 @@ static int socketcan_read(struct can_bus *bus, int64_t until_ns, struct can_fram
 	struct can_socket *socket = (struct can_socket *)bus;
 	int count = 0;
 	(void)until_ns; /* nothing arrives from the future */
+	if (clock_now_ns() - socket->looked_ns >= LOOK_NS)
+		look_at_interfaces(socket, clock_now_ns());
 	while (count < capacity) {
 		int n = read_batch(socket, frames, capacity, &count);
-		/* ENETDOWN and ENODEV are told once by an interface that went away; look_at_interfaces sees it */
-		if (n == 0 || n == -EAGAIN || n == -EINTR || n == -ENETDOWN || n == -ENODEV)
+		if (n == -ENETDOWN || n == -ENODEV) { /* told once by an interface that went away */
+			look_at_interfaces(socket, clock_now_ns());
+			break;
+		}
+		if (n == 0 || n == -EAGAIN || n == -EINTR)
 			break;
 		if (n < 0)
 			return count ? count : n;
 	}
-	if (count == 0)
-		look_at_interfaces(socket, clock_now_ns());
 	return count;
 }
 
@@ -253,6 +266,7 @@ static int socketcan_open(const struct can_bus_config *config, struct arena *are
 	int status = 0;
 	made->bus.ops = &can_socketcan_ops;
 	made->bus.last_ns = INT64_MIN;
+	can_clock_init(&made->clock, clock_wall_ns(), clock_now_ns());
 	made->fd = socket(AF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
 	if (made->fd < 0) {
 		status = -errno;

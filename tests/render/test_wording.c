@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "render/wording.h"
@@ -143,6 +144,15 @@ static void the_gravest_input_state_is_named(void **state)
 	nav.located = false;
 	assert_true(wording_inputs(words, &nav));
 	assert_string_equal(words, "No position");
+	nav.bus = NAV_BUS_OFF; /* why there is nothing else */
+	nav.bus_age_ns = INT64_C(12900000000);
+	snprintf(nav.bus_name, sizeof(nav.bus_name), "can0");
+	assert_true(wording_inputs(words, &nav));
+	assert_string_equal(words, "Bus can0 off 12 s");
+	nav.bus = NAV_BUS_DOWN;
+	nav.bus_age_ns = INT64_MAX;
+	assert_true(wording_inputs(words, &nav));
+	assert_string_equal(words, "Bus can0 down");
 }
 
 static void every_manoeuvre_has_words(void **state)
