@@ -1,15 +1,14 @@
 #include "board/inputs.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
 
 #define STEP_NS (10 * NS_PER_MS)
+#define RECORD_LIMIT_BYTES (UINT64_C(1) << 30)
 
 static int open_bus(struct inputs *inputs, const struct options *options, struct arena *arena)
 {
@@ -32,19 +31,20 @@ static int open_bus(struct inputs *inputs, const struct options *options, struct
 	return status;
 }
 
-static int open_recorder(struct inputs *inputs, const char *path, struct arena *arena)
+/* Of a live bus the newest are kept, within bounds; of a replay everything. */
+static int open_recorder(struct inputs *inputs, const struct options *options, struct arena *arena)
 {
-	inputs->recorder = ARENA_ARRAY(arena, struct candump_writer, 1);
-	if (!inputs->recorder)
-		return -ENOMEM;
-	inputs->record_fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-	if (inputs->record_fd < 0) {
-		int status = -errno;
-		log_error("%s: cannot write: %s", path, strerror(-status));
-		return status;
-	}
-	candump_writer_init(inputs->recorder, inputs->record_fd);
-	return 0;
+	struct can_record_config config = {
+		.path = options->record,
+		.limit_bytes = options->record_limit_bytes,
+		.wait = options->replay != NULL,
+	};
+	if (!config.limit_bytes && !options->replay)
+		config.limit_bytes = RECORD_LIMIT_BYTES;
+	int status = can_record_open(&inputs->recorder, &config, arena);
+	if (status < 0)
+		log_error("%s: cannot write: %s", options->record, strerror(-status));
+	return status;
 }
 
 static void set_course(struct inputs *inputs, const struct options *options, const struct profile *profile)
@@ -91,7 +91,7 @@ int inputs_map(struct inputs *inputs, const struct options *options, const struc
 int inputs_open(struct inputs *inputs, const struct options *options, const struct profile *profile,
 	const struct pkg *pkg, struct arena *arena)
 {
-	*inputs = (struct inputs){ .record_fd = -1 };
+	*inputs = (struct inputs){ 0 };
 	int status = car_init(&inputs->car, profile, options->dbc, (unsigned)options->dbc_count, options->can,
 		(unsigned)options->can_count, arena);
 	if (status < 0)
@@ -102,7 +102,7 @@ int inputs_open(struct inputs *inputs, const struct options *options, const stru
 		return status;
 	if ((status = open_bus(inputs, options, arena)) < 0)
 		return status;
-	return options->record ? open_recorder(inputs, options->record, arena) : 0;
+	return options->record ? open_recorder(inputs, options, arena) : 0;
 }
 
 static void take_frame(struct inputs *inputs, const struct can_frame_rx *frame)
@@ -117,7 +117,7 @@ static void take_frame(struct inputs *inputs, const struct can_frame_rx *frame)
 	if (inputs->recorder && frame->bus < inputs->bus->interface_count) {
 		struct can_frame_rx stamped = *frame;
 		stamped.time_ns += inputs->bus->wall_offset_ns;
-		candump_writer_add(inputs->recorder, inputs->bus->interfaces[frame->bus].name, &stamped);
+		can_record_add(inputs->recorder, inputs->bus->interfaces[frame->bus].name, &stamped);
 	}
 }
 
@@ -188,14 +188,29 @@ int64_t inputs_wall_ns(const struct inputs *inputs, int64_t now_ns)
 	return inputs->bus && inputs->bus->wall_offset_ns ? now_ns + inputs->bus->wall_offset_ns : 0;
 }
 
+void inputs_stats(const struct inputs *inputs, struct stats *out)
+{
+	const struct can_bus *bus = inputs->bus;
+	out->can_frames_in = inputs->vehicle.frames_in;
+	out->can_frames_bad = inputs->vehicle.frames_bad + (bus ? bus->stats.bad : 0);
+	out->can_frames_lost = bus ? bus->stats.dropped : 0;
+	out->can_cpu_ms = bus ? (double)bus->stats.reader_cpu_ns / 1e6 : 0.0;
+	out->can_errors = 0;
+	for (unsigned i = 0; bus && i < bus->interface_count; i++)
+		out->can_errors += bus->interfaces[i].error_frames;
+	if (inputs->recorder) {
+		struct can_record_stats recorded;
+		can_record_stats(inputs->recorder, &recorded);
+		out->record_lines = recorded.lines;
+		out->record_lost = recorded.lost;
+	}
+	out->stale_ns_max = inputs->vehicle.stale_ns_max;
+	out->reroutes = inputs->nav.reroutes;
+}
+
 int inputs_close(struct inputs *inputs)
 {
-	int status = 0;
-	if (inputs->recorder && inputs->record_fd >= 0) {
-		status = candump_writer_flush(inputs->recorder);
-		if (close(inputs->record_fd) < 0 && !status)
-			status = -errno;
-	}
+	int status = can_record_close(inputs->recorder);
 	can_bus_close(inputs->bus);
 	inputs->bus = NULL;
 	inputs->recorder = NULL;

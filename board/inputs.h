@@ -7,10 +7,12 @@
 
 #include "board/car.h"
 #include "board/options.h"
+#include "board/stats.h"
 #include "nav/destination.h"
 #include "nav/nav.h"
 #include "nav/vehicle.h"
 #include "platform/can/can_bus.h"
+#include "platform/can/can_record.h"
 
 #define INPUTS_BATCH 64
 
@@ -19,13 +21,12 @@ struct inputs {
 	struct vehicle vehicle;
 	struct vehicle_state state; /* at now_ns */
 	struct destination destination;
-	bool destination_waits;          /* heard before there was a map */
-	struct nav nav;                  /* nav.pkg NULL: no map yet */
-	struct can_bus *bus;             /* NULL: no car, the view stands still */
-	struct candump_writer *recorder; /* NULL: not recording */
-	int record_fd;
-	int64_t now_ns; /* how far the navigation has got */
-	int read_error; /* first -errno of the bus; it is not read again after that */
+	bool destination_waits;      /* heard before there was a map */
+	struct nav nav;              /* nav.pkg NULL: no map yet */
+	struct can_bus *bus;         /* NULL: no car, the view stands still */
+	struct can_record *recorder; /* NULL: not recording */
+	int64_t now_ns;              /* how far the navigation has got */
+	int read_error;              /* first -errno of the bus; it is not read again after that */
 	struct can_frame_rx batch[INPUTS_BATCH];
 };
 
@@ -45,6 +46,9 @@ bool inputs_ended(const struct inputs *inputs);
 
 /* Time since 1970 of a time on the frames' clock; 0 when it is not known. */
 int64_t inputs_wall_ns(const struct inputs *inputs, int64_t now_ns);
+
+/* Fills in what is told of the bus, the vehicle, the recording and the route. */
+void inputs_stats(const struct inputs *inputs, struct stats *out);
 
 /* Flushes the recording. A zeroed struct does nothing. Returns 0 or the first -errno of the recording. */
 int inputs_close(struct inputs *inputs);

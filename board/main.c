@@ -69,6 +69,7 @@ static void catch_signals(void)
 	sigaction(SIGUSR1, &action, NULL);
 	sigaction(SIGINT, &action, NULL);
 	sigaction(SIGTERM, &action, NULL);
+	signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error to its writer, no more */
 }
 
 /* One reservation for everything of ours on the CPU: no more than half of the budget, of which the city gives
@@ -224,10 +225,7 @@ static void gather_stats(struct machine *m)
 	s->cpu_high_water_bytes = m->boot.high_water;
 	s->gpu_high_water_bytes = gfx_stats(m->screen.gfx)->bytes_high_water;
 	s->allocations_after_start = m->boot.late;
-	s->can_frames_in = m->inputs.vehicle.frames_in;
-	s->can_frames_bad = m->inputs.vehicle.frames_bad + (m->inputs.bus ? m->inputs.bus->stats.bad : 0);
-	s->stale_ns_max = m->inputs.vehicle.stale_ns_max;
-	s->reroutes = m->inputs.nav.reroutes;
+	inputs_stats(&m->inputs, s);
 }
 
 static void write_stats(struct machine *m)

@@ -29,6 +29,7 @@ enum {
 	OPT_LIMIT,
 	OPT_STATS,
 	OPT_RECORD,
+	OPT_RECORD_LIMIT,
 	OPT_START,
 	OPT_DESTINATION,
 	OPT_VIEW,
@@ -55,6 +56,8 @@ static const struct argp_option option_table[] = {
 	{ "limit", OPT_LIMIT, "N", 0, "stop after N frames", 0 },
 	{ "stats", OPT_STATS, "FILE", 0, "write stats as JSON at the end and on SIGUSR1", 0 },
 	{ "record", OPT_RECORD, "FILE", 0, "write the frames read from CAN as a candump log", 0 },
+	{ "record-limit", OPT_RECORD_LIMIT, "MIB", 0, "keep the newest of the recording; default 1024, all of a replay",
+		0 },
 	{ "start", OPT_START, "LAT,LON[,HEADING]", 0, "where the drive starts, degrees", 0 },
 	{ "to", OPT_DESTINATION, "LAT,LON", 0, "destination", 0 },
 	{ "view", OPT_VIEW, "NAME", 0, "camera at start: driver, chase, heading-up, north-up", 0 },
@@ -228,6 +231,9 @@ static error_t parse_output(int key, char *value, struct options *out, struct ar
 		return 0;
 	case OPT_RECORD:
 		out->record = value;
+		return 0;
+	case OPT_RECORD_LIMIT:
+		out->record_limit_bytes = parse_count("--record-limit", value, 1, UINT32_MAX, state) << 20;
 		return 0;
 	case 'v':
 		out->verbose = true;

@@ -25,10 +25,11 @@ struct options {
 	const char *device;  /* after "kms:" */
 	const char *mode;    /* "1280x720@60" */
 	const char *far_name;
-	const char *camera_view; /* --view */
-	const char *frames;      /* folder */
-	const char *stats;       /* file */
-	const char *record;      /* file */
+	const char *camera_view;     /* --view */
+	const char *frames;          /* folder */
+	const char *stats;           /* file */
+	const char *record;          /* file */
+	uint64_t record_limit_bytes; /* 0: default */
 	uint32_t width, height;
 	uint32_t fps;
 	uint32_t every; /* >= 1 */

@@ -107,6 +107,10 @@ void stats_print_json(const struct stats *s, FILE *to)
 	fprintf(to, "  \"start_ms\": {\"first_frame\": %.1f},\n", s->first_frame_ms);
 	fprintf(to, "  \"route\": {\"reroutes\": %llu, \"off_street_frames\": %llu},\n", (unsigned long long)s->reroutes,
 		(unsigned long long)s->off_street_frames);
+	fprintf(to, "  \"can\": {\"frames_lost\": %llu, \"error_frames\": %llu, \"cpu_ms\": %.1f},\n",
+		(unsigned long long)s->can_frames_lost, (unsigned long long)s->can_errors, s->can_cpu_ms);
+	fprintf(to, "  \"record\": {\"lines\": %llu, \"lost\": %llu},\n", (unsigned long long)s->record_lines,
+		(unsigned long long)s->record_lost);
 	fprintf(to, "  \"vehicle\": {\"frames_in\": %llu, \"frames_bad\": %llu, \"stale_ms_max\": %lld}\n}\n",
 		(unsigned long long)s->can_frames_in, (unsigned long long)s->can_frames_bad,
 		(long long)(s->stale_ns_max / 1000000));

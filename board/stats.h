@@ -39,6 +39,10 @@ struct stats {
 	uint64_t budget_bytes, cpu_high_water_bytes, gpu_high_water_bytes, allocations_after_start;
 	double first_frame_ms;
 	uint64_t can_frames_in, can_frames_bad;
+	uint64_t can_frames_lost; /* by the kernel, before we read them */
+	uint64_t can_errors;      /* error frames */
+	double can_cpu_ms;        /* of the thread that reads the bus */
+	uint64_t record_lines, record_lost;
 	int64_t stale_ns_max;
 	uint64_t reroutes, off_street_frames;
 };
