@@ -2,7 +2,7 @@
  * Digital inputs of the board: lines of GPIO chips by libgpiod (gpio_libgpiod.c), or a laptop's, set by a script or by
  * a test (gpio_sim.c), behind one table of functions. A line's index is its place in the configuration. Events carry
  * the kernel's time stamp of the edge on the clock of clock_now_ns(), and come in the order of these times, for all
- * lines together.
+ * lines together, but where the kernel itself is late with one.
  *
  * A line that another process holds, a chip that is not there or goes away are states, never errors: the
  * implementation tries again about every second until the line is there, and says so by an event of its own. After an
