@@ -28,6 +28,8 @@
 #define RETURN_AFTER_M 25.0
 #define RETURN_TURN_RAD 0.6
 #define RETRY_M 5.0
+#define BLUR_MAX_M 1000.0
+#define BLUR_PIECE_M 20.0
 #define MODES_MAX 96
 #define HOPS_MAX 24
 
@@ -545,10 +547,11 @@ static void follow_misfit(struct match *match, double moved_m)
 
 /* Beside the streets: now and then a street near the reckoned place that runs the way the car is heading is tried;
  * when it fits for a while and the reckoned place has stayed beside it, the car is on it. */
-static void try_return(struct match *match, const struct reckon *reckon, double moved_m)
+static void try_return(
+	struct match *match, const struct match_hints *hints, const struct reckon *reckon, double moved_m)
 {
 	struct dvec2 at = { (double)reckon->pos_mm[0] * 1e-3, (double)reckon->pos_mm[1] * 1e-3 };
-	double radius = fmin(RETURN_RADIUS_M + 0.03 * match->off_street_m, 60.0);
+	double radius = fmin(fmax(RETURN_RADIUS_M + 0.03 * match->off_street_m, 2.0 * hints->drift_m), 60.0);
 	match->off_street_m += moved_m;
 	if (match->trying && match->misfit < RETURN_MISFIT) {
 		struct dvec3 street = graph_at(match->graph, match->half, match->along_m).at_m;
@@ -570,10 +573,11 @@ static void try_return(struct match *match, const struct reckon *reckon, double 
 	match->on_street = false;
 }
 
-static void leave_and_return(struct match *match, const struct reckon *reckon, double moved_m)
+static void leave_and_return(
+	struct match *match, const struct match_hints *hints, const struct reckon *reckon, double moved_m)
 {
 	if (!match->on_street) {
-		try_return(match, reckon, moved_m);
+		try_return(match, hints, reckon, moved_m);
 		return;
 	}
 	if (match->misfit <= LOST_MISFIT || match->misfit_m < 15.0)
@@ -596,7 +600,7 @@ static void step_particles(struct match *match, const struct reckon *reckon, con
 	if (effective < 0.5 * match->count)
 		resample(match);
 	estimate(match, hints);
-	leave_and_return(match, reckon, moved);
+	leave_and_return(match, hints, reckon, moved);
 }
 
 void match_update(struct match *match, const struct reckon *reckon, const struct reckon_step *step, bool turn_known,
@@ -651,6 +655,30 @@ void match_gnss(struct match *match, const struct reckon *reckon, struct dvec2 a
 	if (normalise(match) < 0.5 * match->count)
 		resample(match);
 	estimate(match, &no_hints);
+}
+
+bool match_place_off(struct match *match, struct dvec2 at_m, double radius_m, int32_t heading_bam)
+{
+	if (!match_place_near(match, at_m, radius_m, true, heading_bam))
+		return false;
+	match->on_street = match->trying = false;
+	match->off_street_m = match->retry_m = 0.0;
+	return true;
+}
+
+void match_blur(struct match *match, double by_m)
+{
+	double most = fmin(by_m, BLUR_MAX_M);
+	for (uint32_t i = 0; i < match->count && match->located; i++) {
+		struct match_particle *particle = &match->particles[i];
+		/* in pieces, so that no junction is stepped over */
+		for (double left = most * rng_unit(&match->rng); left > 0.0; left -= BLUR_PIECE_M) {
+			particle->along_m += fmin(left, BLUR_PIECE_M);
+			cross_nodes(match, &no_hints, particle, true);
+		}
+	}
+	if (match->located)
+		estimate(match, &no_hints);
 }
 
 void match_heading_corrected(struct match *match, double rad)

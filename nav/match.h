@@ -26,6 +26,7 @@ struct match_hints {
 	int lamp;              /* -1 left, +1 right, 0 none */
 	const uint32_t *route; /* half-edges expected next, from the one being driven; NULL none */
 	uint32_t route_count;  /* the first few are looked at */
+	double drift_m;        /* how wrong the reckoned place may be, off the streets; 0: as far as it went, shared out */
 };
 
 struct match_particle {
@@ -79,6 +80,13 @@ void match_update(struct match *match, const struct reckon *reckon, const struct
 
 /* A satellite fix. Ignored while standing unless the place was unknown. */
 void match_gnss(struct match *match, const struct reckon *reckon, struct dvec2 at_m, double sigma_m);
+
+/* Beside the streets, on ground that no street of the graph runs over; a street is looked for from there. The nearest
+ * one counts as the place on the graph. Returns false, changing nothing, when none is within `radius_m`. */
+bool match_place_off(struct match *match, struct dvec2 at_m, double radius_m, int32_t heading_bam);
+
+/* The car went on unseen, by up to `by_m`. Costs a few ms for a kilometre; farther is taken as that. */
+void match_blur(struct match *match, double by_m);
 
 /* The reckoned heading was corrected by `rad`. */
 void match_heading_corrected(struct match *match, double rad);

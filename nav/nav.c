@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "nav/doubt.h"
 #include "nav/likely.h"
 #include "nav/vehicle.h"
 
@@ -18,6 +19,8 @@
 #define WINDOW_AHEAD 32  /* half-edges of the route in which the car is looked for */
 #define WINDOW_BEHIND 4
 #define LANE_TURN_M 150.0 /* before a turn across, counted from the end of the street's piece */
+#define PLACED_M 3.0      /* where a position was pointed at or measured */
+#define PLACED_RAD 0.1
 #define ARRIVED_M 20.0
 #define HEADING_SIGMA 0.03
 #define LESSON_S 4.0
@@ -49,6 +52,7 @@ int nav_init(struct nav *nav, struct arena *arena, const struct pkg *pkg, const 
 	nav->route.capacity = nav->search.route.capacity;
 	nav->route.halves = ARENA_ARRAY(arena, uint32_t, nav->route.capacity);
 	reckon_init(&nav->reckon, &config->reckon);
+	doubt_init(nav);
 	return nav->route.halves ? 0 : -ENOMEM;
 }
 
@@ -105,6 +109,9 @@ static void placed(struct nav *nav, bool heading)
 {
 	place_on_lane(nav, heading);
 	forget_route(nav);
+	drift_hold(
+		&nav->drift, &nav->reckon, bam_to_rad(nav->reckon.heading_bam), nav->match.uncertainty_m, PLACED_M, PLACED_RAD);
+	nav->remembered = false;
 }
 
 bool nav_set_start(struct nav *nav, double lat_deg, double lon_deg, double heading_deg)
@@ -166,13 +173,16 @@ static void take_fix(struct nav *nav, const struct nav_input *input)
 	}
 	if (nav->config.ignore_gnss)
 		return;
+	if (doubt_refutes_memory(nav, at, sigma)) {
+		if (match_place_near(&nav->match, at, fmin(15.0 + 3.0 * sigma, 60.0), true, nav->reckon.heading_bam))
+			placed(nav, true);
+		return;
+	}
 	learn_scale(nav, at, sigma);
 	uint32_t half = nav->match.half;
 	match_gnss(&nav->match, &nav->reckon, at, sigma);
-	if (!nav->match.on_street && !nav->reckon.still_s) {
-		struct dvec2 here = reckoned_m(nav);
-		reckon_shift(&nav->reckon, 0.1 * (at.x - here.x), 0.1 * (at.y - here.y));
-	}
+	if (!nav->match.on_street && nav->reckon.still_s <= 0.0)
+		doubt_fix(nav, at, sigma);
 	if (half != nav->match.half && nav->match.since_gnss_m == 0.0 && nav->match.gnss_far)
 		place_on_lane(nav, false);
 }
@@ -220,7 +230,7 @@ static void pull(struct nav *nav, const struct reckon_step *step)
 
 static struct match_hints hints_for(const struct nav *nav, const struct nav_input *input)
 {
-	struct match_hints hints = { 0 };
+	struct match_hints hints = { .drift_m = drift_ellipse(&nav->drift).major_m };
 	hints.lamp = input->turn_lamp == NAV_TURN_LAMP_LEFT ? -1 : input->turn_lamp == NAV_TURN_LAMP_RIGHT ? 1 : 0;
 	if (nav->routed) {
 		hints.route = &nav->route.halves[nav->route_at];
@@ -373,10 +383,12 @@ void nav_advance(struct nav *nav, const struct nav_input *input, int64_t now_ns)
 	take_heading(nav, input);
 	nav->stretch_m += step.distance_m;
 	nav->stretch_turn_rad += nav->stretch_turn_rad >= 0.0 ? fabs(step.turn_rad) + (step.gap ? 1.0 : 0.0) : 0.0;
+	doubt_grow(nav, input, &step);
 	struct match_hints hints = hints_for(nav, input);
 	match_update(&nav->match, &nav->reckon, &step, input->motion.yaw_valid, &hints);
 	take_fix(nav, input);
 	pull(nav, &step);
+	doubt_settle(nav, input, &step);
 	follow_route(nav, &step, input->motion.speed_valid ? input->motion.speed_mps : 1.0);
 }
 
@@ -395,6 +407,7 @@ static void view_place(struct nav *nav, struct nav_view *out)
 	out->half = nav->match.half;
 	out->along_m = nav->match.along_m;
 	out->uncertainty_m = nav->match.uncertainty_m;
+	doubt_view(nav, &out->doubt);
 	out->offset_m = 0.0;
 	out->street = 0;
 	out->limit_kmh = 0;

@@ -10,6 +10,7 @@
 #ifndef BLVD_NAV_NAV_H
 #define BLVD_NAV_NAV_H
 
+#include "nav/drift.h"
 #include "nav/graph.h"
 #include "nav/guidance.h"
 #include "nav/match.h"
@@ -30,6 +31,19 @@ struct nav_input {
 	uint32_t fix_number; /* another number is a new fix; each is used once */
 	double lat_deg, lon_deg;
 	double fix_sigma_m; /* 0 unknown */
+};
+
+/* What is worth keeping from one run to the next. Plain numbers: it is stored (board/position_state.h). */
+struct nav_memory {
+	double lat_deg, lon_deg, height_m;
+	double heading_rad;
+	double position_var[3]; /* m^2: east, north, common */
+	double heading_var;     /* rad^2 */
+	double speed_scale, scale_var;
+	double yaw_bias_rps, bias_var;
+	uint32_t half; /* of this very package, or PKG_NONE */
+	bool on_street;
+	double along_m;
 };
 
 struct nav_config {
@@ -69,6 +83,14 @@ struct nav {
 	double stretch_m, stretch_turn_rad; /* travelled and turned since; stretch_turn_rad < 0: none begun */
 	bool heading_known;
 	double height_m;
+
+	struct drift drift;
+	bool remembered;        /* the place is of the last run and not confirmed */
+	double remembered_at_m; /* travelled then */
+	bool was_blind;         /* the speed is not told */
+	uint32_t wild_fixes;    /* in a row, off the streets */
+	enum nav_place place;
+	int64_t sure_ns; /* when the place was last sure; INT64_MIN never */
 };
 
 /* Upper bound of what nav_init() takes from the arena for a graph. */
@@ -83,6 +105,16 @@ bool nav_set_start(struct nav *nav, double lat_deg, double lon_deg, double headi
 
 /* The same by half-edge. Returns false when there is no such half-edge. */
 bool nav_set_start_half(struct nav *nav, uint32_t half, double along_m);
+
+/* What to keep of the present place; false, and nothing written, when there is none. */
+bool nav_remember(const struct nav *nav, struct nav_memory *out);
+
+/* Goes on where an earlier run was, with its uncertainty. `same_package`: half-edges mean what they meant then. Returns
+ * false, having taken at most what was learned of the sensors, when no street is near that place or it is no place. */
+bool nav_restore(struct nav *nav, const struct nav_memory *memory, bool same_package);
+
+/* The car was moved by up to `by_m` without being seen. */
+void nav_moved_unseen(struct nav *nav, double by_m);
 
 /* Where to go: `count` stops in order (1 to ROUTE_STOPS_MAX), the last is the destination. Each is taken to the nearest
  * street that cars may use. The search begins with the next update that knows where the car is. Returns false, changing

@@ -67,6 +67,22 @@ enum nav_bus_state {
 enum nav_gear { NAV_GEAR_UNKNOWN, NAV_GEAR_PARK, NAV_GEAR_REVERSE, NAV_GEAR_NEUTRAL, NAV_GEAR_DRIVE };
 enum nav_turn_lamp { NAV_TURN_LAMP_OFF, NAV_TURN_LAMP_LEFT, NAV_TURN_LAMP_RIGHT, NAV_TURN_LAMP_HAZARD };
 
+/* What is known of the car's place. */
+enum nav_place {
+	NAV_PLACE_UNKNOWN,
+	NAV_PLACE_SURE,
+	NAV_PLACE_REMEMBERED, /* from the last run, and nothing has confirmed it yet */
+	NAV_PLACE_DRIFTING,   /* reckoned for so long without a street or a fix that it may be wrong by doubt.major_m */
+};
+
+/* Where the car may be, one sigma around its shown place. */
+struct nav_doubt {
+	enum nav_place place;
+	int64_t age_ns; /* since the place was last sure; 0 while it is, INT64_MAX never */
+	double major_m, minor_m;
+	int32_t heading_bam; /* of the longer axis */
+};
+
 struct nav_step {
 	enum nav_manoeuvre manoeuvre;
 	uint8_t exit;                /* roundabout exit, from 1 */
@@ -89,9 +105,10 @@ struct nav_view {
 	double speed_mps;     /* negative when reversing */
 	double yaw_rate_rps;  /* clockwise positive */
 	double uncertainty_m; /* one sigma along the street */
-	uint32_t half;        /* half-edge being driven, or PKG_NONE */
-	double along_m;       /* from its origin */
-	double offset_m;      /* lateral, right of its centre line is positive */
+	struct nav_doubt doubt;
+	uint32_t half;   /* half-edge being driven, or PKG_NONE */
+	double along_m;  /* from its origin */
+	double offset_m; /* lateral, right of its centre line is positive */
 
 	/* street and limit */
 	uint32_t street;   /* STRS offset of its name, 0 none */
