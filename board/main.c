@@ -18,6 +18,7 @@
 #include "board/png_write.h"
 #include "board/profile.h"
 #include "board/settings.h"
+#include "board/standby.h"
 #include "board/stats.h"
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
@@ -37,6 +38,7 @@ struct machine {
 	struct inputs inputs;
 	struct controls controls;
 	struct settings settings;
+	struct standby standby;
 	struct display display;
 	struct panel_pace pace;
 	struct screen screen;
@@ -202,6 +204,7 @@ static int start(struct machine *m)
 	status = controls_open(&m->controls, &m->options, &m->profile, m->simulated, controls_time(m, 0), &m->boot);
 	if (status < 0)
 		return status == -ENOMEM ? EXIT_CODE_FAILED : EXIT_CODE_BAD_INPUT;
+	standby_open(&m->standby, &m->options, &m->profile);
 	begin_map(m);
 	if (m->simulated && !map_may_come(m, &code))
 		return code;
@@ -313,6 +316,14 @@ static void draw(struct machine *m, int64_t now_ns, const struct nav_view *view)
 	count_frame(m, clock_now_ns() - began, view);
 }
 
+/* Nothing to see: the ignition is off. */
+static void draw_dark(struct machine *m)
+{
+	screen_draw_dark(&m->screen);
+	panel_bring_out(&m->display, &m->screen, m->pixels);
+	m->stats.frames++;
+}
+
 static int save_frame(struct machine *m)
 {
 	uint64_t number = m->stats.frames - 1;
@@ -330,7 +341,7 @@ static int save_frame(struct machine *m)
 /* The frames' clock of the next frame; waits for it unless the clock is simulated. */
 static int64_t next_time(struct machine *m, int64_t last_ns)
 {
-	int64_t period = NS_PER_S / m->options.fps;
+	int64_t period = NS_PER_S / power_fps(&m->standby.power, m->options.fps);
 	if (m->simulated)
 		return (int64_t)m->stats.frames * NS_PER_S / m->options.fps;
 	if (m->stats.frames == 0)
@@ -371,14 +382,20 @@ static int run(struct machine *m)
 	int64_t now_ns = 0;
 	m->last_half = PKG_NONE;
 	int code = wait_for_map(m);
+	standby_begin(&m->standby, &m->options, &m->inputs);
 	while (m->city.state == CITY_READY && !is_over(m)) {
 		handle_events(m);
 		now_ns = next_time(m, now_ns);
 		handle_controls(m, now_ns);
 		inputs_advance(&m->inputs, now_ns, &view);
+		enum standby_order order = standby_advance(&m->standby, &m->inputs, &m->controls.state.ignition, now_ns);
+		m->quit |= order == STANDBY_END;
 		if (m->display.hidden)
 			continue;
-		draw(m, now_ns, &view);
+		if (order == STANDBY_RUN)
+			draw(m, now_ns, &view);
+		else
+			draw_dark(m);
 		if (panel_show(&m->display, &m->screen, m->pixels) < 0)
 			return EXIT_CODE_FAILED;
 		if (save_frame(m) < 0)
@@ -395,6 +412,7 @@ static int finish(struct machine *m, int code)
 {
 	if (m->screen.gfx && m->stats.frames)
 		write_stats(m);
+	standby_close(&m->standby, &m->inputs);
 	int status = inputs_close(&m->inputs);
 	if (status < 0 && code == EXIT_CODE_DONE) {
 		log_error("%s: cannot write: %s", m->options.record, strerror(-status));

@@ -34,6 +34,7 @@ enum {
 	OPT_DESTINATION,
 	OPT_VIEW,
 	OPT_SAMPLES,
+	OPT_STATE,
 };
 
 static const struct argp_option option_table[] = {
@@ -57,6 +58,8 @@ static const struct argp_option option_table[] = {
 	{ "stats", OPT_STATS, "FILE", 0, "write stats as JSON at the end and on SIGUSR1", 0 },
 	{ "record", OPT_RECORD, "FILE", 0, "write the frames read from CAN as a candump log", 0 },
 	{ "record-limit", OPT_RECORD_LIMIT, "MIB", 0, "keep the newest of the recording; default 1024, all of a replay",
+		0 },
+	{ "state", OPT_STATE, "DIR", 0, "keep the last position there; default $STATE_DIRECTORY, but not with --replay",
 		0 },
 	{ "start", OPT_START, "LAT,LON[,HEADING]", 0, "where the drive starts, degrees", 0 },
 	{ "to", OPT_DESTINATION, "LAT,LON", 0, "destination", 0 },
@@ -234,6 +237,9 @@ static error_t parse_output(int key, char *value, struct options *out, struct ar
 		return 0;
 	case OPT_RECORD_LIMIT:
 		out->record_limit_bytes = parse_count("--record-limit", value, 1, UINT32_MAX, state) << 20;
+		return 0;
+	case OPT_STATE:
+		out->state = value;
 		return 0;
 	case 'v':
 		out->verbose = true;

@@ -30,6 +30,7 @@ struct options {
 	const char *stats;           /* file */
 	const char *record;          /* file */
 	uint64_t record_limit_bytes; /* 0: default */
+	const char *state;           /* folder */
 	uint32_t width, height;
 	uint32_t fps;
 	uint32_t every; /* >= 1 */

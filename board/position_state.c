@@ -146,7 +146,8 @@ static bool changed(const struct position_state *state, const struct nav_memory 
 		return true;
 	double north = (now->lat_deg - was->lat_deg) * 111e3;
 	double east = geo_lon_diff(now->lon_deg, was->lon_deg) * 111e3 * cos(now->lat_deg * (BLVD_PI / 180.0));
-	return hypot(east, north) > MOVED_M || fabs(remainder(now->heading_rad - was->heading_rad, 2.0 * BLVD_PI)) > TURNED_RAD;
+	return hypot(east, north) > MOVED_M ||
+		   fabs(remainder(now->heading_rad - was->heading_rad, 2.0 * BLVD_PI)) > TURNED_RAD;
 }
 
 static double odometer_of(const struct vehicle_state *vehicle)
@@ -175,8 +176,8 @@ static void take_result(struct position_state *state)
 	state->has_saved = false; /* tried again after the rest */
 }
 
-static void give(struct position_state *state, const struct nav_memory *memory, double odometer_m, int64_t now_ns,
-	int64_t wall_ns)
+static void give(
+	struct position_state *state, const struct nav_memory *memory, double odometer_m, int64_t now_ns, int64_t wall_ns)
 {
 	struct position_stored stored;
 	pack(state, memory, odometer_m, wall_ns, &stored);
@@ -223,8 +224,8 @@ static bool is_due(const struct position_state *state, int64_t now_ns)
 	return state->saved_ns == INT64_MIN || now_ns - state->saved_ns >= rest || now_ns < state->saved_ns;
 }
 
-void position_state_follow(struct position_state *state, struct nav *nav, const struct vehicle_state *vehicle,
-	int64_t now_ns, int64_t wall_ns)
+void position_state_follow(
+	struct position_state *state, struct nav *nav, const struct vehicle_state *vehicle, int64_t now_ns, int64_t wall_ns)
 {
 	struct nav_memory memory;
 	if (!state->worker.started)
@@ -255,7 +256,8 @@ void position_state_close(
 		give(state, &memory, odometer_of(vehicle), state->saved_ns, wall_ns);
 		while (worker_take(&state->worker, true, &job)) {
 			if (state->failed && !state->failing)
-				log_warn("%s: the last position could not be written: %s", state->record.folder, strerror(-state->failed));
+				log_warn(
+					"%s: the last position could not be written: %s", state->record.folder, strerror(-state->failed));
 			state->writes += !state->failed;
 			state->refused += state->failed != 0;
 		}

@@ -13,8 +13,8 @@
 #include "platform/base/record.h"
 #include "platform/base/worker.h"
 
-#define POSITION_REST_NS INT64_C(30000000000)   /* between two writes, on the way */
-#define POSITION_URGENT_NS INT64_C(3000000000)  /* the same when the car has stopped, or the ignition went off */
+#define POSITION_REST_NS INT64_C(30000000000)  /* between two writes, on the way */
+#define POSITION_URGENT_NS INT64_C(3000000000) /* the same when the car has stopped, or the ignition went off */
 #define POSITION_RECORD "position"
 #define POSITION_VERSION 1
 
@@ -29,10 +29,10 @@ struct position_state {
 	double saved_odometer_m;          /* NAN: the car tells none */
 	int64_t saved_ns, stopped_ns;     /* frames' clock; INT64_MIN never, not stopped */
 	bool has_saved, busy, urgent, restored;
-	int failed;       /* -errno of the last write; the worker's while `busy` */
-	bool failing;     /* told */
-	uint64_t writes;  /* done */
-	uint64_t refused; /* failed */
+	int failed;                     /* -errno of the last write; the worker's while `busy` */
+	bool failing;                   /* told */
+	uint64_t writes;                /* done */
+	uint64_t refused;               /* failed */
 	_Alignas(8) uint8_t bytes[256]; /* the record that the worker has in hand */
 	uint32_t size;
 };
@@ -53,7 +53,7 @@ void position_state_follow(struct position_state *state, struct nav *nav, const 
 void position_state_hurry(struct position_state *state);
 
 /* Writes a last time, and waits for it. Accepts a zeroed state. */
-void position_state_close(struct position_state *state, struct nav *nav, const struct vehicle_state *vehicle,
-	int64_t wall_ns);
+void position_state_close(
+	struct position_state *state, struct nav *nav, const struct vehicle_state *vehicle, int64_t wall_ns);
 
 #endif

@@ -23,9 +23,9 @@ enum power_change { POWER_STAYS, POWER_GOES_OFF, POWER_GOES_ON };
 
 struct power {
 	struct power_config config;
-	bool off;                 /* dark */
+	bool off;                  /* dark */
 	enum power_word line, can; /* last heard */
-	int64_t off_ns;           /* since when off is said; INT64_MIN it is not */
+	int64_t off_ns;            /* since when off is said; INT64_MIN it is not */
 };
 
 void power_init(struct power *power, const struct power_config *config);

@@ -70,7 +70,7 @@ static bool parse_bool(const char *text, bool *out)
 /* A key that is a number: where it goes and what it may be. */
 struct number_key {
 	const char *section, *key;
-	enum { KIND_U32, KIND_MIB, KIND_DOUBLE } kind;
+	enum { KIND_U32, KIND_MIB, KIND_DOUBLE, KIND_SECONDS } kind;
 	size_t field;
 	double min, max;
 };
@@ -92,6 +92,7 @@ static const struct number_key number_keys[] = {
 	{ "car", "steering_ratio", KIND_DOUBLE, FIELD(steering_ratio), 0.5, 50 },
 	{ "car", "steering_centre_deg", KIND_DOUBLE, FIELD(steering_centre_deg), -90, 90 },
 	{ "car", "understeer_s2pm2", KIND_DOUBLE, FIELD(understeer_s2pm2), -0.01, 0.05 },
+	{ "power", "off_after_s", KIND_SECONDS, FIELD(power.off_after_ns), 0.1, 3600 },
 	{ "start", "latitude", KIND_DOUBLE, FIELD(start.lat_deg), -90, 90 },
 	{ "start", "longitude", KIND_DOUBLE, FIELD(start.lon_deg), -180, 360 },
 	{ "start", "heading_deg", KIND_DOUBLE, FIELD(start_heading_deg), -360, 360 },
@@ -101,12 +102,13 @@ static bool set_number(struct reader *in, const struct number_key *key, const ch
 {
 	char *to = (char *)in->profile + key->field;
 	double value;
-	bool whole = key->kind != KIND_DOUBLE;
+	bool whole = key->kind == KIND_U32 || key->kind == KIND_MIB;
 	if (!parse_double(text, &value) || value < key->min || value > key->max || (whole && value != floor(value)))
 		return fail(in, "%s is '%.40s', not a %snumber from %g to %g", key->key, text, whole ? "whole " : "", key->min,
 			key->max);
 	uint32_t small = (uint32_t)value;
 	uint64_t bytes = (uint64_t)value << 20;
+	int64_t ns = (int64_t)(value * 1e9);
 	switch (key->kind) {
 	case KIND_U32:
 		memcpy(to, &small, sizeof(small));
@@ -116,6 +118,9 @@ static bool set_number(struct reader *in, const struct number_key *key, const ch
 		break;
 	case KIND_DOUBLE:
 		memcpy(to, &value, sizeof(value));
+		break;
+	case KIND_SECONDS:
+		memcpy(to, &ns, sizeof(ns));
 		break;
 	}
 	return true;
@@ -208,6 +213,7 @@ static const char *const input_names[VEHICLE_INPUT_COUNT] = {
 	[VEHICLE_WHEEL_FRONT_RIGHT] = "wheel_front_right",
 	[VEHICLE_WHEEL_REAR_LEFT] = "wheel_rear_left",
 	[VEHICLE_WHEEL_REAR_RIGHT] = "wheel_rear_right",
+	[VEHICLE_IGNITION] = "ignition",
 };
 
 const char *profile_input_name(enum vehicle_input input)
@@ -412,6 +418,7 @@ static bool set_word(struct reader *in, const char *section, const char *key, ch
 {
 	static const char *const styles[] = { "auto", "day", "dusk", "night", NULL };
 	static const char *const units[] = { "auto", "metric", "imperial", NULL };
+	static const char *const offs[] = { "stay", "end", NULL };
 	struct profile *profile = in->profile;
 	int choice;
 	if (!strcmp(section, "display") && !strcmp(key, "style")) {
@@ -431,6 +438,11 @@ static bool set_word(struct reader *in, const char *section, const char *key, ch
 		return set_rotation(in, value);
 	if (!strcmp(section, "display") && !strcmp(key, "buffers"))
 		return set_buffers(in, value);
+	if (!strcmp(section, "power") && !strcmp(key, "off")) {
+		choice = choose(in, key, value, offs);
+		profile->power.ends = choice == 1;
+		return choice >= 0;
+	}
 	if (!strcmp(section, "car") && !strcmp(key, "speed_signed"))
 		return parse_bool(value, &profile->speed_signed) || fail(in, "speed_signed is '%.40s', not yes or no", value);
 	if (!strcmp(section, "can") && !strcmp(key, "dbc"))

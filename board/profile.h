@@ -9,6 +9,7 @@
 #ifndef BLVD_BOARD_PROFILE_H
 #define BLVD_BOARD_PROFILE_H
 
+#include "board/power.h"
 #include "board/profile_gpio.h"
 #include "nav/vehicle.h"
 #include "platform/base/arena.h"
@@ -77,6 +78,7 @@ struct profile {
 	bool speed_signed;
 	struct profile_signal signals[VEHICLE_INPUT_COUNT];
 	struct profile_gpio gpio;
+	struct power_config power;
 	unsigned warnings; /* unknown keys; each was logged */
 };
 

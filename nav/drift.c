@@ -42,33 +42,28 @@ bool drift_restore(struct drift *drift, const struct reckon *reckon, const doubl
 	return true;
 }
 
-/* cov = F cov F', where F is the unit matrix but for the rows of position and heading. */
+/* cov = F cov F', where F is the unit matrix but for the first three rows. */
 static void carry(struct drift *drift, double east_m, double north_m, double dt_s)
 {
-	double f[DRIFT_SIZE][DRIFT_SIZE] = { { 0 } }, half[DRIFT_SIZE][DRIFT_SIZE];
-	for (int i = 0; i < DRIFT_SIZE; i++)
-		f[i][i] = 1.0;
 	/* the way gone turns with half of this step's error of the turn */
-	f[DRIFT_EAST][DRIFT_HEADING] = north_m;
-	f[DRIFT_NORTH][DRIFT_HEADING] = -east_m;
-	f[DRIFT_EAST][DRIFT_BIAS] = -0.5 * dt_s * north_m;
-	f[DRIFT_NORTH][DRIFT_BIAS] = 0.5 * dt_s * east_m;
-	f[DRIFT_EAST][DRIFT_SCALE] = east_m;
-	f[DRIFT_NORTH][DRIFT_SCALE] = north_m;
-	f[DRIFT_HEADING][DRIFT_BIAS] = -dt_s;
-	for (int i = 0; i < DRIFT_SIZE; i++) {
-		for (int j = 0; j < DRIFT_SIZE; j++) {
-			half[i][j] = 0.0;
-			for (int k = 0; k < DRIFT_SIZE; k++)
+	const double f[3][DRIFT_SIZE] = {
+		{ 1.0, 0.0, north_m, -0.5 * dt_s * north_m, east_m },
+		{ 0.0, 1.0, -east_m, 0.5 * dt_s * east_m, north_m },
+		{ 0.0, 0.0, 1.0, -dt_s, 0.0 },
+	};
+	double half[3][DRIFT_SIZE] = { { 0 } };
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < DRIFT_SIZE; k++)
+			for (int j = 0; j < DRIFT_SIZE; j++)
 				half[i][j] += f[i][k] * drift->cov[k][j];
-		}
-	}
-	for (int i = 0; i < DRIFT_SIZE; i++) {
-		for (int j = 0; j < DRIFT_SIZE; j++) {
+	for (int i = 0; i < 3; i++) {
+		for (int j = 0; j < 3; j++) {
 			drift->cov[i][j] = 0.0;
 			for (int k = 0; k < DRIFT_SIZE; k++)
 				drift->cov[i][j] += half[i][k] * f[j][k];
 		}
+		for (int j = 3; j < DRIFT_SIZE; j++)
+			drift->cov[i][j] = drift->cov[j][i] = half[i][j];
 	}
 }
 

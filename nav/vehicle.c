@@ -315,6 +315,8 @@ void vehicle_sample(struct vehicle *vehicle, int64_t now_ns, struct vehicle_stat
 	merge_lamp_states(vehicle, out);
 	if (usable(vehicle, VEHICLE_AMBIENT, now_ns))
 		out->ambient = out->value[VEHICLE_AMBIENT];
+	if (usable(vehicle, VEHICLE_IGNITION, now_ns))
+		out->ignition = (enum vehicle_ignition)out->value[VEHICLE_IGNITION];
 	out->odometer_usable = usable(vehicle, VEHICLE_ODOMETER, now_ns);
 	out->odometer_m = out->value[VEHICLE_ODOMETER];
 	out->has_fix = vehicle->fixes > 0;

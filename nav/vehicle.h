@@ -33,15 +33,18 @@ enum vehicle_input {
 	VEHICLE_WHEEL_FRONT_RIGHT,
 	VEHICLE_WHEEL_REAR_LEFT,
 	VEHICLE_WHEEL_REAR_RIGHT,
+	VEHICLE_IGNITION, /* enum vehicle_ignition */
 	VEHICLE_INPUT_COUNT,
 };
+
+enum vehicle_ignition { VEHICLE_IGNITION_UNKNOWN, VEHICLE_IGNITION_OFF, VEHICLE_IGNITION_ON };
 
 #define VEHICLE_MAP_MAX 16
 #define VEHICLE_ANY_BUS (-1)
 
 struct vehicle_map {
 	int64_t raw;
-	uint8_t meaning; /* enum nav_gear or nav_turn_lamp */
+	uint8_t meaning; /* enum nav_gear, nav_turn_lamp or vehicle_ignition */
 };
 
 /* Why a sample was not taken. */
@@ -134,6 +137,7 @@ struct vehicle_state {
 	enum nav_gear gear;
 	enum nav_turn_lamp turn_lamp;
 	double ambient; /* 0 to 1; negative: unknown */
+	enum vehicle_ignition ignition;
 	bool odometer_usable;
 	double odometer_m;
 	/* Last satellite position with both coordinates. `fixes` counts them, so a reader sees a new one; wraps. */

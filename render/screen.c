@@ -41,6 +41,14 @@ void screen_finish(struct screen *screen)
 	*screen = (struct screen){ 0 };
 }
 
+void screen_draw_dark(struct screen *screen)
+{
+	const struct gfx_clear clear = { .color = true, .depth = true, .rgba = { 0.0f, 0.0f, 0.0f, 1.0f } };
+	gfx_frame_begin(screen->gfx);
+	gfx_pass_begin(screen->gfx, screen->target, &clear);
+	gfx_pass_end(screen->gfx);
+}
+
 static void draw_turned(const struct screen *screen, const struct screen_turn *turn)
 {
 	double angle = turn->turn_deg * (BLVD_PI / 180.0);

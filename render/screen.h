@@ -38,6 +38,8 @@ struct screen_turn {
 
 /* Copies the picture to the context's window, stretched to fit; turned and dimmed when config.turns was set. */
 void screen_present(const struct screen *screen, const struct screen_turn *turn);
+/* A black picture. */
+void screen_draw_dark(struct screen *screen);
 /* RGBA8, top row first, width * height * 4 bytes; waits for the picture. */
 void screen_read_pixels(const struct screen *screen, uint8_t *out);
 

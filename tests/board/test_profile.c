@@ -50,7 +50,8 @@ static void the_built_in_profile_describes_the_virtual_car(void **state)
 	assert_int_equal(car.vehicle.inputs[VEHICLE_LATITUDE].timeout_ns, 1000000000);
 	assert_int_equal(car.vehicle.inputs[VEHICLE_GEAR].map_count, 4);
 	assert_int_equal(car.vehicle.inputs[VEHICLE_TURN_LAMP].map_count, 4);
-	assert_int_equal(car.filter_count, 9); /* eight messages with inputs, and the destination */
+	assert_int_equal(car.vehicle.inputs[VEHICLE_IGNITION].map_count, 4);
+	assert_int_equal(car.filter_count, 10); /* nine messages with inputs, and the destination */
 	assert_ptr_equal(car.destination, &car.dbc[0]);
 	assert_int_equal(car.interface_count, 1);
 	assert_string_equal(car.interfaces[0], "vcan0");
@@ -65,7 +66,7 @@ static void every_key_is_taken(void **state)
 			"units = imperial\n[memory]\nbudget_mib = 96\n[start]\nlatitude = 46.2\nlongitude = 6.15\nheading_deg = "
 			"90\n"
 			"[car]\nspeed_signed = yes\nsteering_centre_deg = -1.5\n[can]\ndbc = a.dbc, /b.dbc builtin:boulevard\n"
-			"interfaces = can0 can1\n[signals]\n"
+			"interfaces = can0 can1\n[power]\noff = end\noff_after_s = 1.5\n[signals]\n"
 			"speed = M.S bus=can1 unit=mph scale=2 offset=-1 sign=-1 timeout=0.5 frozen=3 min=-5 max=90 max_rate=7 "
 			"counter=C counter_skip=2 checksum=K:sum valid=V\n"
 			"gear = G map=0:park,0x10:drive\n"),
@@ -85,7 +86,7 @@ static void every_key_is_taken(void **state)
 	assert_string_equal(profile.dbc[2], PROFILE_DBC_BUILTIN);
 	assert_string_equal(profile.interfaces[1], "can1");
 	const struct profile_signal *speed = &profile.signals[VEHICLE_SPEED];
-	assert_int_equal(speed->line, 22);
+	assert_int_equal(speed->line, 25);
 	assert_string_equal(speed->message, "M");
 	assert_string_equal(speed->name, "S");
 	assert_string_equal(speed->unit, "mph");
@@ -93,6 +94,7 @@ static void every_key_is_taken(void **state)
 	assert_true(speed->frozen_s == 3 && speed->min == -5 && speed->max == 90 && speed->max_rate == 7);
 	assert_int_equal(speed->counter_skip, 2);
 	assert_string_equal(speed->checksum, "K");
+	assert_true(profile.power.ends && profile.power.off_after_ns == 1500000000);
 	const struct profile_signal *gear = &profile.signals[VEHICLE_GEAR];
 	assert_null(gear->message);
 	assert_int_equal(gear->map[1].raw, 16);

@@ -135,9 +135,12 @@ static inline const struct pkg *streets_finish(struct streets *s, bool right_han
 			streets_flood(s, n, component++);
 	qsort(s->turns, s->turn_count, sizeof(s->turns[0]), streets_compare_turns);
 	s->meta.right_hand_traffic = right_hand;
+	struct geo_point origin = { 46.2, 6.15 }; /* unless the test says where */
+	if (s->meta.origin_lat_deg != 0.0)
+		origin = (struct geo_point){ s->meta.origin_lat_deg, s->meta.origin_lon_deg };
 	s->pkg = (struct pkg){
 		.meta = &s->meta,
-		.frame = geo_frame_at((struct geo_point){ 46.2, 6.15 }),
+		.frame = geo_frame_at(origin),
 		.strings = streets_names,
 		.strings_bytes = sizeof(streets_names),
 		.graph = { .nodes = s->nodes,
