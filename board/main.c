@@ -22,6 +22,7 @@
 #include "board/stats.h"
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
+#include "platform/base/notify.h"
 #include "platform/display/display.h"
 #include "render/screen.h"
 
@@ -45,7 +46,8 @@ struct machine {
 	struct city city;
 	uint8_t *pixels; /* width * height * 4 */
 	struct stats stats;
-	bool simulated; /* the clock follows the frames, not the wall */
+	struct notify notify; /* the service manager */
+	bool simulated;       /* the clock follows the frames, not the wall */
 	bool paused;
 	bool quit;
 	int64_t started_ns; /* of the process */
@@ -398,6 +400,8 @@ static int run(struct machine *m)
 			draw_dark(m);
 		if (panel_show(&m->display, &m->screen, m->pixels) < 0)
 			return EXIT_CODE_FAILED;
+		notify_ready(&m->notify, NULL);
+		notify_alive(&m->notify, clock_now_ns());
 		if (save_frame(m) < 0)
 			return EXIT_CODE_FAILED;
 		if (stats_asked) {
@@ -410,6 +414,7 @@ static int run(struct machine *m)
 
 static int finish(struct machine *m, int code)
 {
+	notify_close(&m->notify);
 	if (m->screen.gfx && m->stats.frames)
 		write_stats(m);
 	standby_close(&m->standby, &m->inputs);
@@ -442,6 +447,9 @@ int main(int argc, char **argv)
 	catch_signals();
 	log_init("boulevard", LOG_INFO);
 	options_parse(&machine.options, argc, argv);
+	int status = notify_open(&machine.notify);
+	if (status < 0)
+		log_warn("NOTIFY_SOCKET: %s", strerror(-status));
 	if (machine.options.verbose)
 		log_init("boulevard", LOG_DEBUG);
 	int code = start(&machine);
