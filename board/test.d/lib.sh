@@ -1,0 +1,138 @@
+# What a scene of board/test may use (board/README.md, "Scenes"). Sourced by run; POSIX sh, as root in the guest.
+#   $OUT         folder for pictures and logs that stay
+#   $CITY $DRIVE a small city and a drive in it (candump log, interface vcan0)
+#   $PINS        folder with a file a pin: echo pull-down >$PINS/pin-reverse closes its switch
+
+# check NAME COMMAND...: one line, "ok" or "FAILED" with what the command said. Returns what the command returned.
+check() {
+	check_name=$1
+	shift
+	if check_said=$("$@" 2>&1); then
+		echo "  ok      $check_name"
+	else
+		echo "  FAILED  $check_name: $*"
+		[ -z "$check_said" ] || echo "$check_said" | tail -20 | sed 's/^/          /'
+		echo failed >>"$SCENE_FAULTS"
+		return 1
+	fi
+}
+
+# note NAME VALUE: a figure for the report.
+note() {
+	echo "  figure  $1: $2"
+	echo "$SCENE $1: $2" >>"$OUT/figures"
+}
+
+# skip WHY: ends the scene as not done here.
+skip() {
+	echo "  skipped $1"
+	exit 77
+}
+
+# within SECONDS COMMAND...: tries until it succeeds; the time it took is left in $took_ms.
+within() {
+	within_end=$(($(now_ms) + $1 * 1000))
+	within_began=$(now_ms)
+	shift
+	until "$@" >/dev/null 2>&1; do
+		took_ms=$(($(now_ms) - within_began))
+		[ "$(now_ms)" -lt "$within_end" ] || return 1
+		sleep 0.05
+	done
+	took_ms=$(($(now_ms) - within_began))
+}
+
+# Uptime, which no change of the clock moves.
+now_ms() {
+	read -r uptime _ </proc/uptime
+	echo "${uptime%.*}${uptime#*.}0"
+}
+
+# at_most LIMIT VALUE, at_least LIMIT VALUE: whole numbers or decimals.
+at_most() { awk "BEGIN { exit !($2 <= $1) }" || { echo "$2 is more than $1"; return 1; }; }
+at_least() { awk "BEGIN { exit !($2 >= $1) }" || { echo "$2 is less than $1"; return 1; }; }
+
+# --- the installed unit -------------------------------------------------------------------------------------------
+# unit_start [OPTION...]: (re)starts boulevard.service with $CITY and these options more; returns when it is ready.
+unit_start() {
+	mkdir -p /etc/boulevard
+	{
+		echo "BOULEVARD_CITY=${UNIT_CITY-$CITY}"
+		echo "BOULEVARD_PROFILE=${UNIT_PROFILE:-/usr/share/boulevard/profiles/emulator.ini}"
+		echo "BOULEVARD_OPTIONS=\"--stats /var/lib/boulevard/stats.json $*\""
+	} >/etc/boulevard/boulevard.conf
+	systemctl reset-failed boulevard 2>/dev/null
+	systemctl restart boulevard
+}
+unit_stop() { systemctl stop boulevard; }
+unit_pid() { systemctl show -P MainPID boulevard; }
+unit_running() { [ "$(unit_pid)" != 0 ] && [ "$(systemctl is-active boulevard)" = active ]; }
+unit_restarts() { systemctl show -P NRestarts boulevard; }
+unit_log() { journalctl -u boulevard --no-pager -o cat "$@"; }
+
+# stat_of FILTER: a figure of the running unit's statistics, as jq says it.
+stat_of() {
+	rm -f /var/lib/boulevard/stats.json
+	systemctl kill -s USR1 boulevard
+	within 5 test -s /var/lib/boulevard/stats.json || { echo 'no statistics in 5 s' >&2; return 1; }
+	sleep 0.1
+	jq -r "$1" /var/lib/boulevard/stats.json
+}
+
+# --- the car ------------------------------------------------------------------------------------------------------
+drive_pid=''
+# drive_start [SECONDS]: the drive goes over vcan0, again and again; from SECONDS into it.
+drive_start() {
+	drive_stop
+	log=$DRIVE
+	if [ -n "${1:-}" ]; then
+		log=/run/drive-from.candump
+		awk -v from="$1" '{ t = substr($1, 2) + 0 } NR == 1 { first = t } t >= first + from' "$DRIVE" >$log
+	fi
+	canplayer -l i -I "$log" vcan0=vcan0 >/dev/null 2>&1 &
+	drive_pid=$!
+}
+drive_stop() {
+	[ -z "$drive_pid" ] || kill "$drive_pid" 2>/dev/null || true
+	[ -z "$drive_pid" ] || wait "$drive_pid" 2>/dev/null || true
+	drive_pid=''
+}
+
+# close_pin NAME, open_pin NAME: a switch to ground; press NAME [MS]: both.
+close_pin() { echo pull-down >"$PINS/pin-$1"; }
+open_pin() { echo pull-up >"$PINS/pin-$1"; }
+press() {
+	close_pin "$1"
+	sleep "$(awk "BEGIN { print ${2:-80} / 1000 }")"
+	open_pin "$1"
+	sleep 0.06
+}
+# turn right|left [DETENTS]: the rotary encoder, four edges a detent.
+turn() {
+	first=rotary-a second=rotary-b
+	[ "$1" = right ] || first=rotary-b second=rotary-a
+	count=${2:-1}
+	while [ "$count" -gt 0 ]; do
+		for edge in "close_pin $first" "close_pin $second" "open_pin $first" "open_pin $second"; do
+			$edge
+			sleep 0.004
+		done
+		count=$((count - 1))
+	done
+}
+
+camera_unplug() { echo vivid.0 >/sys/bus/platform/drivers/vivid/unbind; }
+camera_plug() { echo vivid.0 >/sys/bus/platform/drivers/vivid/bind; }
+can_delete() { ip link del "$1"; }
+can_make() { ip link add dev "$1" type vcan && ip link set "$1" mtu 72 txqueuelen 10000 up; }
+
+# --- the screen ---------------------------------------------------------------------------------------------------
+# screen NAME: what is scanned out now, as $OUT/NAME.png
+screen() { board_screen shot "$OUT/$1.png"; }
+# colours NAME: how many different colours that picture has: a plain one has few.
+colours() { identify -format %k "$OUT/$1.png"; }
+# differ NAME NAME: how many pixels of two pictures differ clearly.
+differ() { compare -metric AE -fuzz 10% "$OUT/$1.png" "$OUT/$2.png" null: 2>&1 | awk '{ printf "%d\n", $1 }'; }
+# watch_start SECONDS, then watch_end: longest time without a new picture, in ms.
+watch_start() { board_screen watch "$1" >/run/watch.json & watch_pid=$!; }
+watch_end() { wait "$watch_pid"; jq -r .longest_gap_ms /run/watch.json; }
