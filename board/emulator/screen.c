@@ -9,6 +9,7 @@
 #include <drm_mode.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,7 +47,7 @@ static bool find_screen(struct screen_source *out)
 	*out = (struct screen_source){ .fd = -1 };
 	for (int card = 0; card < CARDS; card++) {
 		char path[32];
-		uint32_t crtcs[CRTCS];
+		uint32_t crtcs[CRTCS] = { 0 };
 		snprintf(path, sizeof(path), "/dev/dri/card%d", card);
 		struct screen_source source = { .fd = open(path, O_RDWR | O_CLOEXEC) };
 		if (source.fd < 0)

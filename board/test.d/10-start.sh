@@ -1,3 +1,4 @@
+#!/bin/sh
 # short: the unit starts, says that it is ready, lives, is watched, and stops
 started=$(now_ms)
 check 'the unit starts and says that it is ready' unit_start

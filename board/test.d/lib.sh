@@ -33,6 +33,7 @@ skip() {
 within() {
 	within_end=$(($(now_ms) + $1 * 1000))
 	within_began=$(now_ms)
+	took_ms=0
 	shift
 	until "$@" >/dev/null 2>&1; do
 		took_ms=$(($(now_ms) - within_began))
@@ -60,6 +61,7 @@ unit_start() {
 		echo "BOULEVARD_CITY=${UNIT_CITY-$CITY}"
 		echo "BOULEVARD_PROFILE=${UNIT_PROFILE:-/usr/share/boulevard/profiles/emulator.ini}"
 		echo "BOULEVARD_OPTIONS=\"--stats /var/lib/boulevard/stats.json $*\""
+		env | grep -E '^(LP_NUM_THREADS|MALLOC_[A-Z_]*)='
 	} >/etc/boulevard/boulevard.conf
 	systemctl reset-failed boulevard 2>/dev/null
 	systemctl restart boulevard

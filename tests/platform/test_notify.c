@@ -19,17 +19,17 @@
 
 struct manager {
 	int fd;
-	char folder[64], name[128];
+	char folder[32], name[64];
 };
 
 /* Listens at a path, or at an abstract name, and tells the environment. */
 static void listen_at(struct manager *m, bool abstract)
 {
 	struct sockaddr_un address = { .sun_family = AF_UNIX };
-	strcpy(m->folder, "/tmp/blvd-test-notify-XXXXXX");
+	*m = (struct manager){ .folder = "/tmp/blvd-test-notify-XXXXXX" };
 	assert_non_null(mkdtemp(m->folder));
 	snprintf(m->name, sizeof(m->name), "%s%s/socket", abstract ? "@" : "", m->folder);
-	strcpy(address.sun_path, m->name);
+	snprintf(address.sun_path, sizeof(address.sun_path), "%s", m->name);
 	size_t length = sizeof(address);
 	if (abstract) {
 		address.sun_path[0] = '\0';
