@@ -226,6 +226,7 @@ static void gather_stats(struct machine *m)
 	s->samples = gfx_target_samples(m->screen.gfx, m->screen.target);
 	s->tau_px = m->options.tau_px;
 	s->damaged_chunks = drawn.chunks_damaged;
+	s->damaged_cells = drawn.far_damaged;
 	s->budget_bytes = m->options.budget_bytes;
 	s->cpu_high_water_bytes = m->boot.high_water;
 	s->gpu_high_water_bytes = gfx_stats(m->screen.gfx)->bytes_high_water;

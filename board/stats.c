@@ -95,10 +95,10 @@ void stats_print_json(const struct stats *s, FILE *to)
 	print_counts(to, "draws", &s->draws);
 	fprintf(to,
 		"  \"cells\": {\"entered\": %llu, \"late_frames\": %llu, \"fallback_frames\": %llu, "
-		"\"late_cell_frames\": %llu, \"damaged_chunks\": %llu, \"error_px\": %.3f},\n",
+		"\"late_cell_frames\": %llu, \"damaged_chunks\": %llu, \"damaged_cells\": %llu, \"error_px\": %.3f},\n",
 		(unsigned long long)s->cells_entered, (unsigned long long)s->late_frames,
 		(unsigned long long)s->fallback_frames, (unsigned long long)s->late_cell_frames,
-		(unsigned long long)s->damaged_chunks, s->far_error_px);
+		(unsigned long long)s->damaged_chunks, (unsigned long long)s->damaged_cells, s->far_error_px);
 	fprintf(to,
 		"  \"memory\": {\"budget_bytes\": %llu, \"cpu_high_water_bytes\": %llu, \"gpu_high_water_bytes\": %llu, "
 		"\"allocations_after_start\": %llu, \"peak_rss_bytes\": %llu},\n",

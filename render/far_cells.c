@@ -176,6 +176,9 @@ void far_cells_select(struct far_cells *cells, const struct repr_place *place)
 	counts->triangles = counts->missing = 0;
 	counts->late = cells->late;
 	counts->fallback = cells->late || cells->rung != CELLS_INSIDE;
+	struct cell_cache_stats loading;
+	cell_cache_stats(cells->cache, &loading);
+	counts->damaged = loading.damaged;
 }
 
 static void emit_around(struct far_cells *cells, const struct view *view, double reach_m, struct draw_list *list)

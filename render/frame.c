@@ -490,6 +490,7 @@ void renderer_stats(const struct renderer *renderer, struct renderer_stats *out)
 		.far_fallback = counts->fallback,
 		.far_late = counts->late,
 		.far_entered = counts->entered,
+		.far_damaged = counts->damaged,
 		.far_error_px = renderer->scene.repr.ops->error_px(&renderer->scene.repr),
 		.far_bytes = renderer->scene.repr.ops->bytes(&renderer->scene.repr),
 		.gpu_bytes = gfx->bytes,

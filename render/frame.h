@@ -47,6 +47,7 @@ struct renderer_stats {
 	bool far_fallback;                        /* something else stood in for what belongs to this place, last frame */
 	bool far_late;                            /* because it was not loaded in time */
 	uint64_t far_entered;                     /* stretches, since start */
+	uint64_t far_damaged;                     /* stretches that cannot be read: all geometry stands in for them */
 	double far_error_px;                      /* bound of displacement, last frame */
 	uint64_t far_bytes;                       /* on the GPU, of the representation's own */
 	uint64_t gpu_bytes, gpu_bytes_high_water;

@@ -50,6 +50,7 @@ struct repr_counts {
 	bool late;          /* because it was not loaded in time */
 	uint32_t missing;   /* chunks in view that were not resident */
 	uint64_t entered;   /* stretches, since start */
+	uint64_t damaged;   /* stretches that cannot be read, since start */
 	uint64_t refused;   /* uploads that found no room, since start */
 };
 

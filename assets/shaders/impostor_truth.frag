@@ -11,6 +11,7 @@ layout(location = 0) out mediump vec4 o_color;
 layout(location = 1) out highp uvec4 o_truth; // object + 1, then the bits of the place from the eye, m
 
 const float CUT = 64.0 / 255.0; // PKG_PAGE_CUT
+const uint UNKNOWN = 0xFFFFFFFFu; // TRUTH_UNKNOWN
 
 void main()
 {
@@ -20,20 +21,30 @@ void main()
 	highp vec2 at = uv * 256.0 - 0.5;
 	ivec2 low = ivec2(floor(at));
 	vec2 part = at - floor(at);
-	ivec2 nearest = low + ivec2(step(0.5, part));
 	int layer = int(u_draw[5].x + v_page + 0.5);
-	uvec4 middle = texelFetch(u_truth, ivec3(clamp(nearest, 0, 255), layer), 0);
+	uvec4 texels[4];
+	highp float shares[4];
+	uint object = 0u; // of the nearest texel that shows one: what is painted beyond an outline has none
+	highp float most = -1.0;
+	for (int i = 0; i < 4; i++) {
+		ivec2 corner = ivec2(i & 1, i >> 1);
+		texels[i] = texelFetch(u_truth, ivec3(clamp(low + corner, 0, 255), layer), 0);
+		vec2 share = mix(1.0 - part, part, vec2(corner));
+		shares[i] = share.x * share.y;
+		if (texels[i].x != 0u && shares[i] > most) {
+			most = shares[i];
+			object = texels[i].x;
+		}
+	}
 	vec3 sum = vec3(0.0);
 	float weights = 0.0;
 	for (int i = 0; i < 4; i++) {
-		ivec2 corner = ivec2(i & 1, i >> 1);
-		uvec4 texel = texelFetch(u_truth, ivec3(clamp(low + corner, 0, 255), layer), 0);
-		vec2 share = mix(1.0 - part, part, vec2(corner));
-		float weight = texel.x == middle.x ? share.x * share.y : 0.0;
-		sum += uintBitsToFloat(texel.yzw) * weight;
+		float weight = texels[i].x == object ? max(shares[i], 1e-6) : 0.0;
+		sum += uintBitsToFloat(texels[i].yzw) * weight;
 		weights += weight;
 	}
-	highp vec3 place = weights > 0.0 ? sum / weights : uintBitsToFloat(middle.yzw);
+	// something is drawn here all the same: UNKNOWN when nothing around it says what
+	highp vec3 place = object != 0u ? sum / weights : vec3(0.0);
 	o_color = vec4(0.0);
-	o_truth = uvec4(middle.x, floatBitsToUint(place + u_draw[0].xyz * 0.001));
+	o_truth = uvec4(object != 0u ? object : UNKNOWN, floatBitsToUint(place + u_draw[0].xyz * 0.001));
 }
