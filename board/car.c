@@ -12,6 +12,7 @@
 #include "platform/base/log.h"
 #include "platform/base/vec.h"
 #include "platform/can/dbc_boulevard.h"
+#include "platform/can/dbc_obd2.h"
 
 /* Longest alternative first costs nothing here: names are compared whole. */
 enum quantity { SPEED, ANGULAR_RATE, ANGLE, LENGTH, SHARE, DEGREES, CODE };
@@ -123,18 +124,34 @@ __attribute__((format(printf, 3, 4))) static int fault(
 	return -EINVAL;
 }
 
+static const struct builtin_dbc {
+	const char *name, *text;
+	const size_t *size;
+} builtin_dbcs[] = {
+	{ PROFILE_DBC_BUILTIN, dbc_boulevard_text, &dbc_boulevard_size },
+	{ PROFILE_DBC_OBD2, dbc_obd2_text, &dbc_obd2_size },
+};
+
+static const struct builtin_dbc *find_builtin(const char *name)
+{
+	for (size_t i = 0; i < sizeof(builtin_dbcs) / sizeof(*builtin_dbcs); i++)
+		if (!strcmp(name, builtin_dbcs[i].name))
+			return &builtin_dbcs[i];
+	return NULL;
+}
+
 static int parse_file(struct dbc *out, const char *path, struct arena *arena)
 {
 	struct dbc_note error;
 	struct file_map map = { 0 };
-	bool builtin = !strcmp(path, PROFILE_DBC_BUILTIN);
+	const struct builtin_dbc *builtin = find_builtin(path);
 	int status = builtin ? 0 : file_map_open(&map, path);
 	if (status) {
 		log_error("%s: %s", path, strerror(-status));
 		return status;
 	}
-	const char *text = builtin ? dbc_boulevard_text : (const char *)map.bytes.data;
-	status = dbc_parse(out, text ? text : "", builtin ? dbc_boulevard_size : map.bytes.size, arena, &error);
+	const char *text = builtin ? builtin->text : (const char *)map.bytes.data;
+	status = dbc_parse(out, text ? text : "", builtin ? *builtin->size : map.bytes.size, arena, &error);
 	file_map_close(&map);
 	if (status)
 		log_error("%s:%u: %s", path, error.line, error.text);
@@ -277,17 +294,28 @@ static int bind_companions(
 	return 0;
 }
 
+/* Index of an interface of the profile by the name that logs give it; -1 when there is none. */
+static int find_bus(const struct profile *profile, const char *name)
+{
+	for (unsigned i = 0; i < profile->interface_count; i++) {
+		char known[CANDUMP_NAME_SIZE];
+		can_bus_short_name(profile->interfaces[i], known);
+		if (!strcmp(known, name))
+			return (int)i;
+	}
+	return -1;
+}
+
 static int bind_bus(struct vehicle_binding *binding, const struct profile *profile, const struct profile_signal *from)
 {
 	binding->bus = VEHICLE_ANY_BUS;
 	if (!from->bus)
 		return 0;
-	for (unsigned i = 0; i < profile->interface_count; i++)
-		if (!strcmp(profile->interfaces[i], from->bus)) {
-			binding->bus = (int)i;
-			return 0;
-		}
-	return fault(profile, from, "bus '%.40s' is not one of the interfaces in [can]", from->bus);
+	int bus = find_bus(profile, from->bus);
+	if (bus < 0)
+		return fault(profile, from, "bus '%.40s' is not one of the interfaces in [can]", from->bus);
+	binding->bus = bus;
+	return 0;
 }
 
 static int bind_signal(struct car *car, int input, const struct profile *profile, const struct profile_signal *from)
@@ -317,7 +345,45 @@ static void add_filter(struct car *car, const struct dbc_message *message)
 	for (unsigned i = 0; i < car->filter_count; i++)
 		if (car->filters[i].id == message->id && car->filters[i].extended == message->extended)
 			return;
-	car->filters[car->filter_count++] = (struct can_bus_filter){ message->id, message->extended };
+	car->filters[car->filter_count++] = (struct can_bus_filter){ .id = message->id, .extended = message->extended };
+}
+
+/* Questions of other testers and answers, of both kinds of addressing. */
+static void add_obd_filters(struct car *car)
+{
+	static const struct can_bus_filter filters[] = {
+		{ .id = 0x7DF },
+		{ .id = 0x7E0, .mask = 0x7F0 },
+		{ .id = 0x18DA0000, .extended = true, .mask = 0x1FFE0000 },
+	};
+	for (size_t i = 0; i < sizeof(filters) / sizeof(*filters); i++)
+		car->filters[car->filter_count++] = filters[i];
+}
+
+/* What is asked for is what the signals in use need. */
+static int take_obd(struct car *car, const struct profile *profile)
+{
+	const struct profile_signal at = { .line = profile->obd_line };
+	if (!profile->obd_interface)
+		return 0;
+	int bus = find_bus(profile, profile->obd_interface);
+	if (bus < 0)
+		return fault(profile, &at, "interface '%.40s' is not one of the interfaces in [can]", profile->obd_interface);
+	car->obd = (struct obd_config){
+		.bus = (uint8_t)bus, .rate_hz = profile->obd_rate_hz, .addressing = profile->obd_addressing
+	};
+	for (int i = 0; i < VEHICLE_INPUT_COUNT; i++) {
+		const struct dbc_signal *signal = car->vehicle.inputs[i].signal;
+		if (!signal || signal->message->id != OBD_ANSWER_ID || signal->message->extended || !signal->ranges)
+			continue;
+		if (car->obd.pid_count == OBD_PIDS_MAX || signal->ranges->low > 0xFF)
+			return fault(profile, &at, "at most %d signals by OBD-II, of service 01", OBD_PIDS_MAX);
+		car->obd.pids[car->obd.pid_count++] = (uint8_t)signal->ranges->low;
+	}
+	if (car->obd.pid_count == 0)
+		return fault(profile, &at, "there is nothing to ask for: no signal is of an OBD-II answer (message 2024)");
+	add_obd_filters(car);
+	return 0;
 }
 
 static void take_interfaces(
@@ -375,5 +441,5 @@ int car_init(struct car *car, const struct profile *profile, const char *const *
 		add_filter(car, car->vehicle.inputs[i].signal->message);
 	}
 	take_destination(car);
-	return 0;
+	return take_obd(car, profile);
 }

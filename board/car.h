@@ -14,7 +14,8 @@ struct car {
 	unsigned interface_count;
 	const char *interfaces[CAN_BUS_MAX]; /* for can_bus_config; their order is that of the bindings' bus numbers */
 	unsigned filter_count;
-	struct can_bus_filter filters[VEHICLE_INPUT_COUNT + 1]; /* the identifiers in use */
+	struct can_bus_filter filters[VEHICLE_INPUT_COUNT + 4]; /* the identifiers in use */
+	struct obd_config obd;                                  /* pid_count 0: nothing is asked for */
 	const struct dbc *destination; /* definitions with a DESTINATION message, for nav/destination.h; NULL none */
 };
 

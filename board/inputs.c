@@ -97,6 +97,7 @@ int inputs_open(struct inputs *inputs, const struct options *options, const stru
 	if (status < 0)
 		return status;
 	vehicle_init(&inputs->vehicle, &inputs->car.vehicle);
+	obd_init(&inputs->obd, &inputs->car.obd, 0);
 	destination_init(&inputs->destination, inputs->car.destination);
 	if (pkg && (status = inputs_map(inputs, options, profile, pkg, arena)) < 0)
 		return status;
@@ -105,20 +106,44 @@ int inputs_open(struct inputs *inputs, const struct options *options, const stru
 	return options->record ? open_recorder(inputs, options, arena) : 0;
 }
 
-static void take_frame(struct inputs *inputs, const struct can_frame_rx *frame)
+static void record(struct inputs *inputs, const struct can_frame_rx *frame)
 {
+	if (!inputs->recorder || frame->bus >= inputs->bus->interface_count)
+		return;
+	struct can_frame_rx stamped = *frame;
+	stamped.time_ns += inputs->bus->wall_offset_ns;
+	can_record_add(inputs->recorder, inputs->bus->interfaces[frame->bus].name, &stamped);
+}
+
+static void take_frame(struct inputs *inputs, struct can_frame_rx *frame)
+{
+	record(inputs, frame);
+	if (inputs->car.obd.pid_count && !obd_take(&inputs->obd, frame))
+		return;
 	vehicle_feed(&inputs->vehicle, frame);
-	if (inputs->destination.count_signal && destination_feed(&inputs->destination, frame)) {
-		if (inputs->nav.pkg)
-			set_stops(inputs);
-		else
-			inputs->destination_waits = true;
-	}
-	if (inputs->recorder && frame->bus < inputs->bus->interface_count) {
-		struct can_frame_rx stamped = *frame;
-		stamped.time_ns += inputs->bus->wall_offset_ns;
-		can_record_add(inputs->recorder, inputs->bus->interfaces[frame->bus].name, &stamped);
-	}
+	if (!inputs->destination.count_signal || !destination_feed(&inputs->destination, frame))
+		return;
+	if (inputs->nav.pkg)
+		set_stops(inputs);
+	else
+		inputs->destination_waits = true;
+}
+
+/* The one thing that is ever sent. A controller that is off or sees many errors is left alone. */
+static void ask_car(struct inputs *inputs, int64_t now_ns)
+{
+	struct can_frame_rx question;
+	if (!inputs->bus || !inputs->bus->ops->write || !inputs->car.obd.pid_count)
+		return;
+	enum can_health health = inputs->bus->interfaces[inputs->car.obd.bus].health;
+	if (health == CAN_HEALTH_OFF || health == CAN_HEALTH_DOWN || health == CAN_HEALTH_PASSIVE)
+		return;
+	if (!obd_ask(&inputs->obd, now_ns, &question))
+		return;
+	if (can_bus_write(inputs->bus, &question) < 0)
+		obd_failed(&inputs->obd, now_ns);
+	else
+		record(inputs, &question);
 }
 
 static void read_bus(struct inputs *inputs, int64_t until_ns)
@@ -170,6 +195,7 @@ void inputs_advance(struct inputs *inputs, int64_t now_ns, struct nav_view *out)
 	}
 	inputs->now_ns = now_ns;
 	read_bus(inputs, now_ns);
+	ask_car(inputs, now_ns);
 	vehicle_sample(&inputs->vehicle, now_ns, state);
 	if (inputs->nav.pkg)
 		nav_update(&inputs->nav, state, now_ns, inputs_wall_ns(inputs, now_ns), out);

@@ -21,8 +21,9 @@ struct inputs {
 	struct vehicle vehicle;
 	struct vehicle_state state; /* at now_ns */
 	struct destination destination;
-	bool destination_waits;      /* heard before there was a map */
-	struct nav nav;              /* nav.pkg NULL: no map yet */
+	bool destination_waits; /* heard before there was a map */
+	struct nav nav;         /* nav.pkg NULL: no map yet */
+	struct obd obd;
 	struct can_bus *bus;         /* NULL: no car, the view stands still */
 	struct can_record *recorder; /* NULL: not recording */
 	int64_t now_ns;              /* how far the navigation has got */

@@ -13,6 +13,7 @@
 #include "board/profile_sim.h"
 #include "platform/base/file_map.h"
 #include "platform/base/log.h"
+#include "platform/can/can_socket.h"
 
 struct reader {
 	const char *at, *end;
@@ -93,6 +94,7 @@ static const struct number_key number_keys[] = {
 	{ "car", "steering_centre_deg", KIND_DOUBLE, FIELD(steering_centre_deg), -90, 90 },
 	{ "car", "understeer_s2pm2", KIND_DOUBLE, FIELD(understeer_s2pm2), -0.01, 0.05 },
 	{ "power", "off_after_s", KIND_SECONDS, FIELD(power.off_after_ns), 0.1, 3600 },
+	{ "obd", "rate_hz", KIND_DOUBLE, FIELD(obd_rate_hz), 0.1, 20 },
 	{ "start", "latitude", KIND_DOUBLE, FIELD(start.lat_deg), -90, 90 },
 	{ "start", "longitude", KIND_DOUBLE, FIELD(start.lon_deg), -180, 360 },
 	{ "start", "heading_deg", KIND_DOUBLE, FIELD(start_heading_deg), -360, 360 },
@@ -156,7 +158,7 @@ static const char *beside_profile(struct reader *in, const char *name)
 {
 	const char *path = in->profile->path, *slash = path ? strrchr(path, '/') : NULL;
 	char joined[1024];
-	if (name[0] == '/' || !slash || !strcmp(name, PROFILE_DBC_BUILTIN))
+	if (name[0] == '/' || !slash || !strncmp(name, "builtin:", strlen("builtin:")))
 		return keep(in, name);
 	int n = snprintf(joined, sizeof(joined), "%.*s/%s", (int)(slash - path), path, name);
 	if (n < 0 || n >= (int)sizeof(joined)) {
@@ -184,7 +186,7 @@ static bool set_interfaces(struct reader *in, char *text)
 {
 	struct profile *profile = in->profile;
 	for (char *word; (word = next_word(&text));) {
-		if (strlen(word) >= CANDUMP_NAME_SIZE)
+		if (strlen(word) >= CANDUMP_NAME_SIZE && !can_socket_is_address(word))
 			return fail(in, "interface name '%.40s' is longer than %d characters", word, CANDUMP_NAME_SIZE - 1);
 		if (profile->interface_count == CAN_BUS_MAX)
 			return fail(in, "more than %d interfaces", CAN_BUS_MAX);
@@ -356,6 +358,22 @@ static bool unknown(struct reader *in, const char *section, const char *key)
 	return true;
 }
 
+static bool set_obd(struct reader *in, const char *key, const char *value)
+{
+	static const char *const addressings[] = { "auto", "11bit", "29bit", NULL };
+	struct profile *profile = in->profile;
+	if (!strcmp(key, "interface")) {
+		profile->obd_line = in->line;
+		profile->obd_interface = keep(in, value);
+		return profile->obd_interface != NULL;
+	}
+	if (strcmp(key, "addressing") != 0)
+		return unknown(in, "obd", key);
+	int choice = choose(in, key, value, addressings);
+	profile->obd_addressing = (enum obd_addressing)choice;
+	return choice >= 0;
+}
+
 static bool set_in_signals(struct reader *in, const char *key, char *value)
 {
 	for (int i = 0; i < VEHICLE_INPUT_COUNT; i++)
@@ -471,7 +489,9 @@ static int set_key(void *user, const char *section, const char *key, const char 
 		}
 	if (!strcmp(section, "gpio") || !strcmp(section, "input"))
 		return set_in_gpio(in, section, key, copy);
-	return strcmp(section, "signals") ? set_word(in, section, key, copy) : set_in_signals(in, key, copy);
+	if (!strcmp(section, "signals"))
+		return set_in_signals(in, key, copy);
+	return strcmp(section, "obd") ? set_word(in, section, key, copy) : set_obd(in, key, copy);
 }
 
 /* Hands inih one line, without leading blanks: an indented line would be taken as more of the value before. */

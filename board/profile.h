@@ -15,9 +15,11 @@
 #include "platform/base/arena.h"
 #include "platform/base/geo.h"
 #include "platform/can/can_bus.h"
+#include "platform/can/obd.h"
 
 #define PROFILE_DBC_MAX 8
 #define PROFILE_DBC_BUILTIN "builtin:boulevard" /* the virtual car's definitions, without a file */
+#define PROFILE_DBC_OBD2 "builtin:obd2"         /* those of OBD-II answers */
 
 enum profile_style { PROFILE_STYLE_AUTO, PROFILE_STYLE_DAY, PROFILE_STYLE_DUSK, PROFILE_STYLE_NIGHT };
 enum profile_units { PROFILE_UNITS_AUTO, PROFILE_UNITS_METRIC, PROFILE_UNITS_IMPERIAL };
@@ -71,6 +73,10 @@ struct profile {
 	const char *dbc[PROFILE_DBC_MAX]; /* ready to open: relative names are relative to the profile's folder */
 	unsigned interface_count;
 	const char *interfaces[CAN_BUS_MAX];
+	const char *obd_interface; /* NULL: nothing is asked, and nothing is ever sent */
+	unsigned obd_line;
+	double obd_rate_hz;
+	enum obd_addressing obd_addressing;
 	double wheelbase_m, track_m; /* 0: not said */
 	double steering_ratio;
 	double steering_centre_deg;

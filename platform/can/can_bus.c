@@ -13,6 +13,8 @@
 #define DETAIL_PASSIVE 0x30u
 #define DETAIL_ACTIVE 0x40u
 
+#define QUIET_NS INT64_C(2000000000) /* without an error frame all is well again */
+
 int can_bus_write(struct can_bus *bus, const struct can_frame_rx *frame)
 {
 	return bus->ops->write ? bus->ops->write(bus, frame) : -EOPNOTSUPP;
@@ -96,12 +98,15 @@ void can_bus_note_frame(struct can_bus *bus, const struct can_frame_rx *frame)
 	enum can_health health = interface->health;
 	if (frame->flags & CAN_FRAME_ERROR) {
 		interface->error_frames++;
+		interface->error_ns = frame->time_ns;
 		health = health_told(frame, health);
 	} else {
 		interface->frames++;
 		interface->heard_ns = frame->time_ns;
-		/* a controller that is off or an interface that is down hears nothing */
-		if (health == CAN_HEALTH_UNKNOWN || health == CAN_HEALTH_OFF || health == CAN_HEALTH_DOWN)
+		/* A controller that is off or an interface that is down hears nothing; and not every driver tells when errors
+		 * have become fewer. */
+		bool quiet = interface->error_frames == 0 || frame->time_ns - interface->error_ns > QUIET_NS;
+		if (health == CAN_HEALTH_UNKNOWN || health == CAN_HEALTH_OFF || health == CAN_HEALTH_DOWN || quiet)
 			health = CAN_HEALTH_ACTIVE;
 	}
 	can_bus_note_health(bus, frame->bus, health, frame->time_ns);

@@ -38,6 +38,7 @@ struct can_interface {
 	enum can_health health;
 	int64_t health_ns; /* when it became so, on the frames' clock */
 	int64_t heard_ns;  /* last data frame; INT64_MIN never */
+	int64_t error_ns;  /* last error frame, if there was one */
 	uint64_t frames, error_frames;
 };
 
@@ -60,6 +61,7 @@ struct can_bus_stats {
 struct can_bus_filter {
 	uint32_t id;
 	bool extended;
+	uint32_t mask; /* of the identifier's bits that count; 0: all */
 };
 
 struct can_bus_config {

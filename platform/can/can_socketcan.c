@@ -107,7 +107,8 @@ static int want_filters(int fd, const struct can_bus_config *config)
 	for (unsigned i = 0; i < config->filter_count; i++) {
 		bool extended = config->filters[i].extended;
 		filters[i].can_id = config->filters[i].id | (extended ? CAN_EFF_FLAG : 0);
-		filters[i].can_mask = (extended ? CAN_EFF_MASK : CAN_SFF_MASK) | CAN_EFF_FLAG | CAN_RTR_FLAG;
+		uint32_t bits = extended ? CAN_EFF_MASK : CAN_SFF_MASK, mask = config->filters[i].mask;
+		filters[i].can_mask = (mask ? mask & bits : bits) | CAN_EFF_FLAG | CAN_RTR_FLAG;
 	}
 	socklen_t size = (socklen_t)(config->filter_count * sizeof(*filters));
 	return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters, size) < 0 ? -errno : 0;

@@ -323,7 +323,7 @@ static void the_kernel_bus_opens_or_says_why_not(void **state)
 	(void)state;
 	struct can_bus *bus = NULL;
 	static const char *const names[] = { "vcanblvd" };
-	static const struct can_bus_filter filters[] = { { 0x100, false }, { 0x12345678, true } };
+	static const struct can_bus_filter filters[] = { { .id = 0x100 }, { .id = 0x12345678, .extended = true } };
 	struct can_bus_config config = {
 		.interfaces = names, .interface_count = 1, .filters = filters, .filter_count = 2, .receive_bytes = 65536
 	};

@@ -92,7 +92,7 @@ static void frames_of_every_kind_arrive_as_they_were_sent(void **state)
 static void only_the_identifiers_in_use_are_received(void **state)
 {
 	(void)state;
-	static const struct can_bus_filter filters[] = { { 0x100, false }, { 0x200, true } };
+	static const struct can_bus_filter filters[] = { { .id = 0x100 }, { .id = 0x200, .extended = true } };
 	struct can_bus *from, *to;
 	if (no_vcan())
 		return;
