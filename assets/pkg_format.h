@@ -461,7 +461,7 @@ struct pkg_impostor_vertex {
 };
 static_assert(sizeof(struct pkg_impostor_vertex) == 20, "on-disk layout");
 struct pkg_truth_texel {
-	uint32_t object; /* + 1; 0: not covered */
+	uint32_t object; /* + 1; 0: not covered, or made up from its neighbours */
 	float pos_m[3];  /* what the texel shows, from the cell's origin */
 };
 static_assert(sizeof(struct pkg_truth_texel) == 16, "on-disk layout");

@@ -116,7 +116,7 @@ static void a_facade_is_two_triangles(void **state)
 	struct impostor_options options = options_of(1);
 	struct made made = make("facade", ray_capture(&scene, &view), &cell, &options);
 	assert_true(made.triangles <= 10);
-	assert_true(made.mesh.over_share <= 0.005);
+	assert_true(made.mesh.error_px <= 1 && made.mesh.over_share == 0);
 	unmake(&made);
 }
 
@@ -136,7 +136,7 @@ static void a_canyon_takes_some_hundred_triangles(void **state)
 		snprintf(name, sizeof(name), "canyon_%.0f_%.0f", cases[i].from, cases[i].length);
 		struct made made = make(name, ray_capture(&scene, &view), &cell, &options);
 		assert_in_range(made.triangles, cases[i].least, cases[i].most);
-		assert_true(made.mesh.over_share < 0.01);
+		assert_true(made.mesh.over_share < 0.001);
 		assert_int_equal(bare_pixels(&made), 0);
 		unmake(&made);
 	}
@@ -214,7 +214,7 @@ static void noise_ends(void **state)
 	unmake(&made);
 }
 
-static void tau_decides_how_many_triangles(void **state)
+static void tau_is_kept_and_decides_how_many_triangles(void **state)
 {
 	(void)state;
 	static const double taus[] = { 1 / 16.0, 0.25, 1, 4, 16, 64 };
@@ -228,7 +228,7 @@ static void tau_decides_how_many_triangles(void **state)
 		snprintf(name, sizeof(name), "tau_%.3f", taus[i]);
 		struct made made = make(name, ray_capture(&scene, &view), &cell, &options);
 		assert_int_equal(bare_pixels(&made), 0);
-		assert_true(made.mesh.over_share < 0.01);
+		assert_true(made.mesh.error_px <= taus[i] && made.mesh.over_share == 0);
 		assert_true(made.triangles <= last + last / 10);
 		last = made.triangles;
 		unmake(&made);
@@ -313,7 +313,7 @@ int main(void)
 		cmocka_unit_test(a_canyon_takes_some_hundred_triangles),
 		cmocka_unit_test(extremes),
 		cmocka_unit_test(noise_ends),
-		cmocka_unit_test(tau_decides_how_many_triangles),
+		cmocka_unit_test(tau_is_kept_and_decides_how_many_triangles),
 		cmocka_unit_test(a_bound_on_triangles_is_kept),
 		cmocka_unit_test(a_regular_grid_takes_more_for_less),
 		cmocka_unit_test(sizes_from_64_to_2048),

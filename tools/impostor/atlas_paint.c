@@ -161,7 +161,8 @@ static double overlap(const struct box *box, int axis, int32_t at)
 	return fmin(at + 1, box->high[axis]) - fmax(at, box->low[axis]);
 }
 
-/* The mean place of those of the texel's pixels that show the same object as the largest share of one pixel. */
+/* The place at the mean position and disparity of those of the texel's pixels that show the same object as the largest
+ * share of one pixel: on a plane that is exact. */
 static struct pkg_truth_texel find_truth(const struct canvas *canvas, const struct part *part, const struct box *box)
 {
 	struct pkg_truth_texel truth = { 0 };
@@ -179,17 +180,17 @@ static struct pkg_truth_texel find_truth(const struct canvas *canvas, const stru
 					truth.object = pixel->object;
 					continue;
 				}
-				struct dvec3 point =
-					capture_point(&canvas->image->view, part->left + x + 0.5, part->top + y + 0.5, pixel->disparity);
-				sum[0] += weight * (point.x - canvas->origin.x);
-				sum[1] += weight * (point.y - canvas->origin.y);
-				sum[2] += weight * (point.z - canvas->origin.z);
+				sum[0] += weight * (part->left + x + 0.5);
+				sum[1] += weight * (part->top + y + 0.5);
+				sum[2] += weight * (double)pixel->disparity;
 				weights += weight;
 			}
 		}
 	}
-	for (int k = 0; k < 3; k++)
-		truth.pos_m[k] = (float)(sum[k] / fmax(weights, 1e-9));
+	struct dvec3 point = capture_point(&canvas->image->view, sum[0] / weights, sum[1] / weights, sum[2] / weights);
+	truth.pos_m[0] = (float)(point.x - canvas->origin.x);
+	truth.pos_m[1] = (float)(point.y - canvas->origin.y);
+	truth.pos_m[2] = (float)(point.z - canvas->origin.z);
 	return truth;
 }
 
@@ -239,7 +240,7 @@ static bool fill_texel(struct part *part, uint32_t column, uint32_t row, uint8_t
 			sum[k] += weight * part->colour[i][k];
 		weights += weight;
 		if (part->truth)
-			part->truth[texel] = part->truth[i];
+			part->truth[texel] = (struct pkg_truth_texel){ 0 };
 	}
 	if (weights <= 0)
 		return false;

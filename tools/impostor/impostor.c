@@ -3,48 +3,57 @@
 
 #include "tools/impostor/impostor.h"
 
-/* Pixels at the border of what is owned, or of an object: where triangles go. */
-static size_t outline_of(const struct capture_image *image, const uint8_t *owner)
+/* What each capture has to add, and the triangles that it took without a bound. */
+struct demand {
+	uint8_t *owner;
+	size_t triangles;
+};
+
+/* Without a bound. False: there are more triangles than there may be; the mesh is of no use then. */
+static bool make_freely(const struct view_cell *cell, const struct impostor_capture *captures, size_t count,
+	const struct impostor_options *options, struct demand *demands, struct impostor_mesh *mesh)
 {
-	uint32_t width = image->view.width, height = image->view.height;
-	size_t sum = 0;
-	for (uint32_t y = 0, i = 0; y < height; y++) {
-		for (uint32_t x = 0; x < width; x++, i++) {
-			if (!owner[i])
-				continue;
-			bool goes_right = x + 1 < width && owner[i + 1] && image->pixels[i + 1].object == image->pixels[i].object;
-			bool goes_down =
-				y + 1 < height && owner[i + width] && image->pixels[i + width].object == image->pixels[i].object;
-			sum += goes_right && goes_down ? 0 : 1;
-		}
+	struct impostor_options unbound = *options;
+	unbound.triangles_max = 0;
+	for (size_t i = 0; i < count; i++) {
+		size_t before = mesh->indices.count / 3;
+		impostor_mesh_add(mesh, cell, &captures[i], demands[i].owner, (uint8_t)i, &unbound);
+		demands[i].triangles = mesh->indices.count / 3 - before;
 	}
-	return sum;
+	return !options->triangles_max || mesh->indices.count / 3 <= options->triangles_max;
 }
 
-/* The triangles that are left are shared by outline; what a capture does not need the next ones get. */
+/* The triangles that are left are shared as they were asked for; what a capture does not need the next ones get. */
+static void make_within(const struct view_cell *cell, const struct impostor_capture *captures, size_t count,
+	const struct impostor_options *options, const struct demand *demands, struct impostor_mesh *mesh)
+{
+	size_t asked = 0;
+	for (size_t i = 0; i < count; i++)
+		asked += demands[i].triangles;
+	for (size_t i = 0; i < count; asked -= demands[i++].triangles) {
+		struct impostor_options share = *options;
+		size_t used = mesh->indices.count / 3;
+		size_t left = options->triangles_max > used ? options->triangles_max - used : 0;
+		if (!demands[i].triangles)
+			continue;
+		share.triangles_max = (uint32_t)(used + left * demands[i].triangles / asked);
+		impostor_mesh_add(mesh, cell, &captures[i], demands[i].owner, (uint8_t)i, &share);
+	}
+}
+
 static void make_mesh(const struct view_cell *cell, const struct impostor_capture *captures, size_t count,
 	const struct impostor_options *options, struct impostor_mesh *mesh)
 {
 	struct pool pool = { 0 };
-	uint8_t **owners = POOL_ARRAY(&pool, uint8_t *, count);
-	size_t *outlines = POOL_ARRAY(&pool, size_t, count), outline = 0;
+	struct demand *demands = POOL_ARRAY(&pool, struct demand, count);
 	for (size_t i = 0; i < count; i++) {
-		const struct capture_image *image = &captures[i].image;
-		owners[i] = POOL_ARRAY(&pool, uint8_t, (size_t)image->view.width * image->view.height);
-		impostor_fuse(cell, captures, i, options, owners[i]);
-		outlines[i] = outline_of(image, owners[i]);
-		outline += outlines[i];
+		const struct capture_view *view = &captures[i].image.view;
+		demands[i].owner = POOL_ARRAY(&pool, uint8_t, (size_t)view->width * view->height);
+		impostor_fuse(cell, captures, i, options, demands[i].owner);
 	}
-	for (size_t i = 0; i < count; outline -= outlines[i++]) {
-		struct impostor_options share = *options;
-		size_t used = mesh->indices.count / 3;
-		if (!outlines[i])
-			continue;
-		if (options->triangles_max) {
-			size_t left = options->triangles_max > used ? options->triangles_max - used : 0;
-			share.triangles_max = (uint32_t)(used + left * outlines[i] / outline);
-		}
-		impostor_mesh_add(mesh, cell, &captures[i], owners[i], (uint8_t)i, &share);
+	if (!make_freely(cell, captures, count, options, demands, mesh)) {
+		impostor_mesh_finish(mesh);
+		make_within(cell, captures, count, options, demands, mesh);
 	}
 	pool_finish(&pool);
 }

@@ -1,9 +1,10 @@
 /*
  * One capture into patches: surfaces, sheets, their triangles, and the error that is left.
  *
- * How tau is shared out: a plane may miss its pixels by PLANE_SHARE of it; vertices on a border between two planes take
- * the mean of the two, which adds at most half of JOIN_SHARE there. The rest is for the lattice and for rounding. The
- * contours' own error is no displacement: the texture shows each pixel on the plane that it belongs to.
+ * How tau is shared out: a plane may miss its pixels by PLANE_SHARE of it, by SURFACE_ERROR_MAX times that at most;
+ * vertices on a border between two planes take the mean of the two, which adds at most half of JOIN_SHARE there. The
+ * contours' own error is no displacement: the texture shows each pixel on the plane that it belongs to. What is left
+ * are pixels within INNER_PX of a border between joined surfaces, that the other surface shows.
  */
 #include <math.h>
 #include <string.h>
@@ -12,6 +13,9 @@
 #include "tools/impostor/sheet_mesh.h"
 #include "tools/impostor/triangle_rows.h"
 
+/* Pixels at the corners of a screen, 16 to 9 and 45 degrees high, to an angle, over those in its middle: what turns
+ * into view keeps tau there too. */
+#define CORNER_STRETCH 1.72
 #define PLANE_SHARE 0.9
 #define JOIN_SHARE 0.2
 #define GUARD_PX 3
@@ -24,7 +28,6 @@
 #define GRID_REACH_PX 2
 #define GRID_PRICE_PX2 4.0
 #define SWALLOW_PX 16
-#define SWALLOW_SHARE 0.004
 /* With too many triangles, tau grows by the excess to this power, from one try to the next by more at least. */
 #define COARSER_POWER 0.8
 #define COARSER_MIN 1.25
@@ -39,7 +42,7 @@ struct meshing {
 	uint32_t width, height;
 	uint8_t *owned, *open_below;
 	float *tolerance, *scaled; /* of disparity for tau; the same, for this try */
-	float *error_px;           /* by pixel */
+	float *error_px;           /* by pixel; negative: not shown */
 	uint32_t pixels;           /* owned */
 	struct sheet_mesher mesher;
 };
@@ -107,8 +110,7 @@ static struct surfaces_input surfaces_input_of(const struct meshing *meshing, do
 		.owned = meshing->owned,
 		.tolerance = meshing->scaled,
 		.gap_px = 2 * CLOSE_PX,
-		.swallow_px = (uint32_t)(SWALLOW_PX * coarse),
-		.swallow_share = SWALLOW_SHARE * coarse * coarse };
+		.swallow_px = (uint32_t)(SWALLOW_PX * coarse) };
 }
 
 static struct sheet_options sheet_options_of(const struct meshing *meshing, double coarse, uint8_t view)
@@ -181,16 +183,17 @@ static void measure_triangle(
 			double drawn = w[0] + slope_x * (column + 0.5 - x[0]) + slope_y * (row + 0.5 - y[0]);
 			double error = displacement_px(&meshing->displacement, column + 0.5, row + 0.5,
 				meshing->capture->image.pixels[pixel].disparity, drawn);
-			meshing->error_px[pixel] = fminf(meshing->error_px[pixel], (float)error);
+			meshing->error_px[pixel] = fmaxf(meshing->error_px[pixel], (float)error);
 		}
 	}
 }
 
-/* Draws the capture's patches and compares every pixel that is to be shown. */
+/* Draws the capture's patches and compares every pixel that is to be shown. Of patches that overlap any may be in front
+ * from somewhere: the largest error counts. */
 static void measure(struct meshing *meshing, size_t first_patch, struct impostor_mesh *mesh)
 {
 	for (uint32_t i = 0; i < meshing->width * meshing->height; i++)
-		meshing->error_px[i] = INFINITY;
+		meshing->error_px[i] = -1;
 	for (size_t i = first_patch; i < mesh->patches.count; i++) {
 		const struct mesh_patch *patch = &mesh->patches.items[i];
 		for (uint32_t k = 0; k < patch->index_count; k += 3)
@@ -199,9 +202,8 @@ static void measure(struct meshing *meshing, size_t first_patch, struct impostor
 	for (uint32_t i = 0; i < meshing->width * meshing->height; i++) {
 		if (!meshing->owned[i])
 			continue;
-		mesh->over_px += (double)meshing->error_px[i] > tau_px(meshing->options);
-		if (isfinite(meshing->error_px[i]))
-			mesh->error_px = fmax(mesh->error_px, (double)meshing->error_px[i]);
+		mesh->over_px += meshing->error_px[i] < 0 || (double)meshing->error_px[i] > tau_px(meshing->options);
+		mesh->error_px = fmax(mesh->error_px, (double)meshing->error_px[i]);
 	}
 	mesh->shown_px += meshing->pixels;
 	mesh->over_share = (double)mesh->over_px / (double)mesh->shown_px;
@@ -246,8 +248,8 @@ void impostor_mesh_add(struct impostor_mesh *mesh, const struct view_cell *cell,
 		meshing.tolerance = image_bytes(&meshing, sizeof(float));
 		meshing.scaled = image_bytes(&meshing, sizeof(float));
 		meshing.error_px = image_bytes(&meshing, sizeof(float));
-		displacement_init(
-			&meshing.displacement, cell, &capture->image.view, options->focal_px, (double)largest_disparity(&meshing));
+		displacement_init(&meshing.displacement, cell, &capture->image.view, options->focal_px * CORNER_STRETCH,
+			(double)largest_disparity(&meshing));
 		find_tolerances(&meshing);
 		foliage_light_find(&meshing.foliage, &capture->image);
 		size_t first_patch = mesh->patches.count;

@@ -122,7 +122,6 @@ void sheet_mesher_finish(struct sheet_mesher *mesher)
 	ARRAY_FINISH(&mesher->members);
 	ARRAY_FINISH(&mesher->votes);
 	ARRAY_FINISH(&mesher->stamp);
-	ARRAY_FINISH(&mesher->disparity);
-	ARRAY_FINISH(&mesher->sharing);
+	ARRAY_FINISH(&mesher->meetings);
 	ARRAY_FINISH(&mesher->order);
 }

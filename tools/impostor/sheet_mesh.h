@@ -19,6 +19,12 @@
 /* Of a surface's least disparity: what its vertices have at least. Planes are clipped at twice this. */
 #define MESH_LEAST_SHARE 0.1
 
+/* What the surfaces say that meet at a point. */
+struct meeting_point {
+	double sum, low, high; /* of their disparities */
+	uint32_t surfaces;
+};
+
 /* Scratch, kept from sheet to sheet; zeroed to start with. */
 struct sheet_mesher {
 	struct sheet_window window;
@@ -27,12 +33,11 @@ struct sheet_mesher {
 	ARRAY(struct contour_point) inner; /* what is left of a chain between surfaces */
 	struct hull hull;
 	struct cdt cdt;
-	ARRAY(uint32_t) face;    /* by triangle, then the surface + 1 of its face */
-	ARRAY(uint32_t) members; /* triangles of a face */
-	ARRAY(uint32_t) votes;   /* by surface */
-	ARRAY(uint32_t) stamp;   /* by point */
-	ARRAY(double) disparity; /* by point: sum, then mean */
-	ARRAY(uint32_t) sharing; /* by point: surfaces in the sum */
+	ARRAY(uint32_t) face;                 /* by triangle, then the surface + 1 of its face */
+	ARRAY(uint32_t) members;              /* triangles of a face */
+	ARRAY(uint32_t) votes;                /* by surface */
+	ARRAY(uint32_t) stamp;                /* by point */
+	ARRAY(struct meeting_point) meetings; /* by point */
 	ARRAY(uint64_t) order;
 	uint64_t cuts; /* points made where chains crossed, of all sheets so far */
 };

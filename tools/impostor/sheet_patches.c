@@ -5,6 +5,7 @@
 #include "tools/impostor/sheet_mesh.h"
 
 #define NEAREST_PX 4
+#define AGREE_SHARE 0.4 /* of the tolerance: planes nearer to each other than this share a vertex */
 
 /* Kept triangles in the order of patches: by surface, then by cell of large ones, then as they are. */
 static void order_triangles(struct sheet_mesher *mesher, const struct sheet_source *source)
@@ -60,31 +61,46 @@ static double disparity_at(const struct sheet_source *source, uint32_t label, st
 	return fmax(plane_at(&surface->plane, x, y), MESH_LEAST_SHARE * (double)surface->least_disparity);
 }
 
-/* Each point's disparity: the mean of the surfaces that meet there. */
-static void place_points(struct sheet_mesher *mesher, const struct sheet_source *source)
+/* Asks the surfaces that meet at each point for its disparity. */
+static void ask_surfaces(struct sheet_mesher *mesher, const struct sheet_source *source)
 {
 	size_t count = mesher->cdt.points.count;
 	ARRAY_RESERVE(&mesher->stamp, count);
-	ARRAY_RESERVE(&mesher->disparity, count);
-	ARRAY_RESERVE(&mesher->sharing, count);
+	ARRAY_RESERVE(&mesher->meetings, count);
 	memset(mesher->stamp.items, 0, count * sizeof(uint32_t));
-	memset(mesher->sharing.items, 0, count * sizeof(uint32_t));
-	memset(mesher->disparity.items, 0, count * sizeof(double));
+	memset(mesher->meetings.items, 0, count * sizeof(*mesher->meetings.items));
 	for (size_t i = 0; i < mesher->order.count; i++) {
 		const struct cdt_triangle *triangle = &mesher->cdt.triangles.items[mesher->order.items[i] & 0xfffffff];
 		uint32_t label = (uint32_t)(mesher->order.items[i] >> 38);
 		for (int k = 0; k < 3; k++) {
 			uint32_t point = triangle->corner[k];
+			struct meeting_point *meeting = &mesher->meetings.items[point];
 			if (mesher->stamp.items[point] == label)
 				continue;
 			mesher->stamp.items[point] = label;
-			mesher->disparity.items[point] += disparity_at(source, label, mesher->cdt.points.items[point]);
-			mesher->sharing.items[point]++;
+			double disparity = disparity_at(source, label, mesher->cdt.points.items[point]);
+			meeting->sum += disparity;
+			meeting->low = meeting->surfaces ? fmin(meeting->low, disparity) : disparity;
+			meeting->high = meeting->surfaces ? fmax(meeting->high, disparity) : disparity;
+			meeting->surfaces++;
 		}
 	}
-	for (size_t i = 0; i < count; i++)
-		mesher->disparity.items[i] /= mesher->sharing.items[i] ? mesher->sharing.items[i] : 1;
 	memset(mesher->stamp.items, 0xff, count * sizeof(uint32_t));
+}
+
+/* The mean of the surfaces that meet at a point. Where they do not agree, as where their outlines were grown beyond
+ * what joins them, each keeps to its own plane: a mean would pull the whole triangle off it. */
+static double agreed_at(
+	const struct sheet_mesher *mesher, const struct sheet_source *source, uint32_t label, uint32_t point)
+{
+	const struct meeting_point *meeting = &mesher->meetings.items[point];
+	double mean = meeting->sum / meeting->surfaces, spread = meeting->high - meeting->low;
+	struct cdt_point at = mesher->cdt.points.items[point];
+	if (!(spread > 0) ||
+		spread <= AGREE_SHARE * displacement_tolerance(source->displacement, (double)at.x / MESH_LATTICE,
+									(double)at.y / MESH_LATTICE, mean, source->tau_px))
+		return mean;
+	return disparity_at(source, label, at);
 }
 
 static void add_texels(const struct sheet_mesher *mesher, const struct sheet_source *source, uint32_t label,
@@ -143,7 +159,7 @@ static void add_patch(struct sheet_mesher *mesher, const struct sheet_source *so
 			struct cdt_point at = mesher->cdt.points.items[point];
 			if (*stamp == UINT32_MAX || *stamp < patch.first_vertex) {
 				*stamp = (uint32_t)mesh->vertices.count;
-				float disparity = (float)mesher->disparity.items[point];
+				float disparity = (float)agreed_at(mesher, source, label, point);
 				ARRAY_PUSH(&mesh->vertices, vertex_at(source, surface, at, disparity));
 				patch.disparity_max = fmaxf(patch.disparity_max, disparity);
 				min = (struct cdt_point){ at.x < min.x ? at.x : min.x, at.y < min.y ? at.y : min.y };
@@ -166,7 +182,7 @@ void sheet_add_patches(
 {
 	order_triangles(mesher, source);
 	ARRAY_SORT(&mesher->order, by_value);
-	place_points(mesher, source);
+	ask_surfaces(mesher, source);
 	for (size_t from = 0, to; from < mesher->order.count; from = to) {
 		for (to = from; to < mesher->order.count; to++)
 			if (mesher->order.items[to] >> 28 != mesher->order.items[from] >> 28)

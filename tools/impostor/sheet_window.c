@@ -5,7 +5,8 @@
 #include <string.h>
 
 #define RING_PX 1
-#define SEAM_PX 2 /* spread over what another sheet shows at the same disparity */
+#define SEAM_PX 2       /* spread over what another sheet shows at the same disparity, ... */
+#define AGREE_SHARE 0.8 /* ... give or take this much of the tolerance */
 
 enum mesh_texel sheet_texel(const struct sheet_source *source, const struct surface *surface, uint32_t x, uint32_t y)
 {
@@ -19,7 +20,7 @@ enum mesh_texel sheet_texel(const struct sheet_source *source, const struct surf
 	if (*allowed <= 0 && seen->disparity > 0)
 		*allowed =
 			(float)displacement_tolerance(source->displacement, x + 0.5, y + 0.5, seen->disparity, source->tau_px);
-	return fabs(step) <= (double)*allowed ? MESH_SHOW : step > 0 ? MESH_FILL : MESH_CUT;
+	return fabs(step) <= AGREE_SHARE * (double)*allowed ? MESH_SHOW : step > 0 ? MESH_FILL : MESH_CUT;
 }
 
 static void take_pixels(struct sheet_window *window, const struct sheet_source *source, uint32_t sheet)
@@ -71,12 +72,12 @@ static bool may_guard(
 	size_t pixel = (size_t)y * source->surfaces->width + (size_t)x;
 	if (source->open_below[pixel])
 		return to == from + window->width;
-	uint32_t label = window->label.items[from], other = source->surfaces->label[pixel];
+	uint32_t label = window->label.items[from];
 	enum mesh_texel texel = sheet_texel(source, sheet_surface(source, label), (uint32_t)x, (uint32_t)y);
-	bool tied = texel == MESH_SHOW || (other && sheets_tied(source->sheets, label - 1, other - 1));
-	if (step < SEAM_PX && tied)
+	bool agrees = texel == MESH_SHOW && step < SEAM_PX;
+	if (agrees)
 		window->seam.items[to] = 1;
-	return texel == MESH_FILL || (step < SEAM_PX && tied);
+	return texel == MESH_FILL || agrees;
 }
 
 /* By one pixel a step; every other step diagonally too, which makes octagons of points. */

@@ -5,7 +5,6 @@
 #include <stdbool.h>
 #include <string.h>
 
-#define FOLD_PX 1.0     /* planes that meet so near to a pixel's side fold there */
 #define JOINED_SIDES 24 /* shorter borders are not joined */
 
 struct tying {
@@ -35,12 +34,6 @@ static struct tie *tie_of(const struct sheets *sheets, uint32_t a, uint32_t b)
 	return tie && tie->a == a && tie->b == b ? tie : NULL;
 }
 
-bool sheets_tied(const struct sheets *sheets, uint32_t a, uint32_t b)
-{
-	const struct tie *tie = tie_of(sheets, a < b ? a : b, a < b ? b : a);
-	return tie && tie->jumps * 8 <= tie->sides;
-}
-
 static void look_at_side(struct tying *tying, const struct surfaces *surfaces, const float *tolerance, double share,
 	uint32_t pixel, uint32_t other, double x, double y)
 {
@@ -53,9 +46,7 @@ static void look_at_side(struct tying *tying, const struct surfaces *surfaces, c
 	if (fabs(step) <= share * allowed)
 		return;
 	struct tie *tie = tie_of(tying->sheets, (a < b ? a : b) - 1, (a < b ? b : a) - 1);
-	double slope = hypot(plane_a->w_x - plane_b->w_x, plane_a->w_y - plane_b->w_y);
 	tie->steps++;
-	tie->jumps += fabs(step) > allowed && fabs(step) > FOLD_PX * slope;
 }
 
 static void find_ties(struct tying *tying, const struct surfaces *surfaces, const float *tolerance, double share)
@@ -64,7 +55,7 @@ static void find_ties(struct tying *tying, const struct surfaces *surfaces, cons
 	borders_find(&borders, surfaces->label, surfaces->width, surfaces->height);
 	for (size_t i = 0; i < borders.items.count; i++)
 		ARRAY_PUSH(&tying->sheets->ties, (struct tie){ borders.items.items[i].a - 1, borders.items.items[i].b - 1,
-											 borders.items.items[i].sides, 0, 0 });
+											 borders.items.items[i].sides, 0 });
 	borders_finish(&borders);
 	for (uint32_t y = 0, i = 0; y < surfaces->height; y++) {
 		for (uint32_t x = 0; x < surfaces->width; x++, i++) {

@@ -24,7 +24,13 @@ static inline uint32_t surface_region(struct merger *merger, uint32_t seed)
 	return seed;
 }
 
-/* surface_swallow.c: gives small regions to the neighbours that fit them best. `owned`: pixels in all. */
-void surfaces_swallow(struct merger *merger, const struct surfaces_input *input, uint64_t owned);
+/* A region's pixels are never farther off than this, in tolerances; more than 1 for pixels that are no reason for a
+ * region of their own. */
+#define SURFACE_ERROR_MAX 1.1
+
+/* surface_swallow.c: gives small regions to the neighbours that fit them best. */
+void surfaces_swallow(struct merger *merger, const struct surfaces_input *input);
+/* surface_eject.c: gives pixels that are farther off than SURFACE_ERROR_MAX regions of their own. */
+void surfaces_eject(struct merger *merger, const struct surfaces_input *input, uint32_t *label);
 
 #endif

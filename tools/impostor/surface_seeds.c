@@ -129,15 +129,15 @@ static struct fit_sample sample_at(const struct surfaces_input *input, uint32_t 
 		input->image->pixels[pixel].disparity, 1 / input->tolerance[pixel] };
 }
 
-static uint32_t new_seed(struct surface_seeds *seeds, const struct capture_pixel *pixel)
+uint32_t surface_seeds_new(struct surface_seeds *seeds, const struct capture_pixel *pixel)
 {
 	ARRAY_PUSH(&seeds->fits, (struct plane_fit){ 0 });
 	ARRAY_PUSH(&seeds->kinds, *pixel);
 	return (uint32_t)seeds->fits.count;
 }
 
-/* Sums of the pixels whose seed is `from` or later. */
-static void sum_up(struct surface_seeds *seeds, const struct surfaces_input *input, const uint32_t *label, size_t from)
+void surface_seeds_sum(
+	struct surface_seeds *seeds, const struct surfaces_input *input, const uint32_t *label, size_t from)
 {
 	struct slopes slopes = { .view = &input->image->view };
 	uint32_t width = slopes.view->width, count = width * slopes.view->height;
@@ -195,7 +195,7 @@ static bool cut_bent(struct surface_seeds *seeds, const struct surfaces_input *i
 				continue;
 			uint32_t *cell = &seed_of_square[2 * (x / square)], old = label[i];
 			if (!cell[0] || (cell[1] != old && seeds->fits.count < SURFACE_SEEDS_MAX)) {
-				cell[0] = new_seed(seeds, &input->image->pixels[i]);
+				cell[0] = surface_seeds_new(seeds, &input->image->pixels[i]);
 				cell[1] = old;
 			}
 			label[i] = cell[0];
@@ -207,7 +207,7 @@ static bool cut_bent(struct surface_seeds *seeds, const struct surfaces_input *i
 	array_free(planes);
 	array_free(bent);
 	if (any)
-		sum_up(seeds, input, label, known);
+		surface_seeds_sum(seeds, input, label, known);
 	return any;
 }
 
@@ -249,11 +249,11 @@ void surface_seeds_find(struct surface_seeds *seeds, const struct surfaces_input
 		known = number_squares(input, label);
 	seeds->fits.count = seeds->kinds.count = 0;
 	for (uint32_t i = 0; i < known; i++)
-		new_seed(seeds, &(struct capture_pixel){ 0 });
+		surface_seeds_new(seeds, &(struct capture_pixel){ 0 });
 	for (uint32_t i = count; i-- > 0;)
 		if (label[i])
 			seeds->kinds.items[label[i] - 1] = input->image->pixels[i];
-	sum_up(seeds, input, label, 0);
+	surface_seeds_sum(seeds, input, label, 0);
 	uint32_t *seed_of_square = array_grow(NULL, &(size_t){ 0 }, 2 * ((size_t)width + 1), sizeof(uint32_t));
 	for (uint32_t square = 32; !noise && !input->continuous && square && seeds->fits.count < SURFACE_SEEDS_MAX / 2;
 		 square /= 2)

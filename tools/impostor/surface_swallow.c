@@ -4,7 +4,6 @@
 
 #include "tools/impostor/surface_merger.h"
 
-#define ERROR_MAX 4.0  /* tolerances that a guest may be off: chimneys must not float away */
 #define HOST_SHARE 0.5 /* of a guest's disparity: the least that its host's plane may have there */
 
 struct small_region {
@@ -60,7 +59,7 @@ static struct host find_host(struct merger *merger, const struct neighbours *lis
 			continue;
 		struct plane plane = plane_fit_solve(&merger->seeds.fits.items[other]);
 		double error = plane_fit_error(fit, &plane);
-		if (error < host.error && error <= ERROR_MAX && is_ahead(fit, &plane))
+		if (error < host.error && error <= SURFACE_ERROR_MAX && is_ahead(fit, &plane))
 			host = (struct host){ other, error };
 	}
 	return host;
@@ -74,7 +73,7 @@ static int by_pixels(const void *left, const void *right)
 	return (a->region > b->region) - (a->region < b->region);
 }
 
-void surfaces_swallow(struct merger *merger, const struct surfaces_input *input, uint64_t owned)
+void surfaces_swallow(struct merger *merger, const struct surfaces_input *input)
 {
 	struct pool pool = { 0 };
 	struct neighbours list = list_neighbours(&pool, merger);
@@ -83,16 +82,13 @@ void surfaces_swallow(struct merger *merger, const struct surfaces_input *input,
 		if (merger->seeds.fits.items[i].pixels <= input->swallow_px)
 			ARRAY_PUSH(&smalls, (struct small_region){ merger->seeds.fits.items[i].pixels, i });
 	ARRAY_SORT(&smalls, by_pixels);
-	double allowance = input->swallow_share * (double)owned;
 	for (size_t i = 0; i < smalls.count; i++) {
 		uint32_t region = smalls.items[i].region, pixels = merger->seeds.fits.items[region].pixels;
 		if (surface_region(merger, region) != region)
 			continue;
 		struct host host = find_host(merger, &list, region);
-		if (host.region == UINT32_MAX || (host.error > 1 && pixels > allowance))
+		if (host.region == UINT32_MAX)
 			continue;
-		if (host.error > 1)
-			allowance -= pixels;
 		/* The host's plane stays as it is: guests do not bend it. */
 		merger->parent.items[region] = host.region;
 		merger->seeds.fits.items[host.region].pixels += pixels;

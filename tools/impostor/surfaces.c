@@ -256,7 +256,7 @@ static void describe(struct surfaces *surfaces, const struct merger *merger, con
 }
 
 /* From seeds to regions. */
-static void grow(struct merger *merger, const struct surfaces_input *input, struct surfaces *surfaces, uint64_t owned)
+static void grow(struct merger *merger, const struct surfaces_input *input, struct surfaces *surfaces)
 {
 	size_t count = (size_t)surfaces->width * surfaces->height;
 	borders_find(&merger->borders, surfaces->label, surfaces->width, surfaces->height);
@@ -267,7 +267,9 @@ static void grow(struct merger *merger, const struct surfaces_input *input, stru
 	join_what_fits(merger);
 	relabel(merger, surfaces->label, count);
 	borders_find(&merger->borders, surfaces->label, surfaces->width, surfaces->height);
-	surfaces_swallow(merger, input, owned);
+	surfaces_swallow(merger, input);
+	relabel(merger, surfaces->label, count);
+	surfaces_eject(merger, input, surfaces->label);
 	relabel(merger, surfaces->label, count);
 }
 
@@ -279,15 +281,13 @@ void surfaces_find(struct surfaces *surfaces, const struct surfaces_input *input
 	surfaces->label = array_grow(NULL, &capacity, count + 1, sizeof(*surfaces->label));
 	struct merger merger = { 0 };
 	surface_seeds_find(&merger.seeds, input, surfaces->label);
-	uint64_t owned = 0;
 	for (uint32_t i = 0; i < merger.seeds.fits.count; i++) {
 		ARRAY_PUSH(&merger.parent, i);
 		ARRAY_PUSH(&merger.largest, merger.seeds.fits.items[i].pixels);
-		owned += merger.seeds.fits.items[i].pixels;
 	}
 	relabel(&merger, surfaces->label, count);
 	if (!input->continuous)
-		grow(&merger, input, surfaces, owned);
+		grow(&merger, input, surfaces);
 	describe(surfaces, &merger, input->image->pixels);
 	ARRAY_FINISH(&merger.parent);
 	ARRAY_FINISH(&merger.largest);

@@ -3,9 +3,9 @@
  *
  * A plane in space is a plane in disparity over the image (FACTS, "Parallax"), so a facade is one exact fit. Seeds are
  * connected pixels of one object and normal that lie on one plane; neighbouring regions are then joined, best fit
- * first, while the plane through the union keeps every pixel within its tolerance. Regions of a few pixels go to the
- * neighbour that fits best even if it does not fit: as many as `swallow_share` of the pixels. The same image gives the
- * same regions.
+ * first, while the plane through the union keeps the pixels within their tolerance, going by samples. Regions of a few
+ * pixels go to the neighbour that fits best. In the end every pixel is looked at, and those that are off by more than a
+ * tenth over their tolerance get regions of their own. The same image gives the same regions.
  */
 #ifndef BLVD_TOOLS_IMPOSTOR_SURFACES_H
 #define BLVD_TOOLS_IMPOSTOR_SURFACES_H
@@ -38,8 +38,7 @@ struct surfaces_input {
 	const uint8_t *owned;   /* not 0: to be shown; only pixels that have an object */
 	const float *tolerance; /* of disparity, at owned pixels */
 	float gap_px;           /* pieces of an object may join over gaps as wide as this */
-	uint32_t swallow_px;    /* regions of so many pixels or fewer may be swallowed */
-	double swallow_share;   /* of all owned pixels, which may be swallowed against their tolerance */
+	uint32_t swallow_px;    /* regions of so many pixels or fewer may be swallowed by another */
 };
 
 void surfaces_find(struct surfaces *surfaces, const struct surfaces_input *input);

@@ -66,7 +66,8 @@ static int verify_blobs(const struct pkg *pkg, struct pkg_fault *fault)
 	return status;
 }
 
-/* One pixel in a thousand may be beyond: what a texel shows is the mean of several pixels. */
+/* One pixel in a thousand may be beyond: what a texel shows is the mean of several pixels, of one object if not of one
+ * surface. */
 #define BEYOND_SHARE 0.001
 
 static int verify_poses(const struct pkg *pkg, const struct verify_options *options)
@@ -80,10 +81,11 @@ static int verify_poses(const struct pkg *pkg, const struct verify_options *opti
 	double pixels = (double)result.pixels;
 	printf(
 		"%llu cells, %llu pixels from %u poses each: displaced by %.3f px (median), %.3f (99 %%), %.3f (99.9 %%), %.2f "
-		"(most); over what was asked for %.4f %%, over what the cell says %.4f %%\n",
+		"(most); over what was asked for %.4f %%, over what the cell says %.4f %%; another %.2f %% shows what no "
+		"capture saw\n",
 		(unsigned long long)result.cells, (unsigned long long)result.pixels, options->poses, result.p50_px,
 		result.p99_px, result.p999_px, result.max_px, 100.0 * (double)result.over_tau / pixels,
-		100.0 * (double)result.over_error / pixels);
+		100.0 * (double)result.over_error / pixels, 100.0 * (double)result.made_up / (pixels + (double)result.made_up));
 	if ((double)result.over_error <= BEYOND_SHARE * pixels)
 		return EXIT_DONE;
 	log_error("%s: impostors are displaced by more than they say", options->path);

@@ -37,28 +37,31 @@ static struct dvec3 random_eye(struct check *check, const struct view_cell *box,
 	};
 }
 
-static double displacement_px(const struct far_raster *raster, const struct raster_pixel *pixel)
+/* Between two points on the screen, of which the raster has half of the resolution. False: behind the eye. */
+static bool apart(const struct far_raster *raster, struct dvec3 p, struct dvec3 q, double *px)
 {
 	double a[3], b[3];
-	const struct pkg_truth_texel *truth = pixel->truth;
-	far_raster_view(raster, pixel->at, a);
-	far_raster_view(raster, (struct dvec3){ truth->pos_m[0], truth->pos_m[1], truth->pos_m[2] }, b);
-	if (!(a[2] > NEAREST_M) || !(b[2] > NEAREST_M))
-		return 0.0;
-	/* The raster has half of the screen's resolution. */
-	return 2.0 * RASTER_FOCAL_PX * hypot(a[0] / a[2] - b[0] / b[2], a[1] / a[2] - b[1] / b[2]);
+	far_raster_view(raster, p, a);
+	far_raster_view(raster, q, b);
+	*px = 2.0 * RASTER_FOCAL_PX * hypot(a[0] / a[2] - b[0] / b[2], a[1] / a[2] - b[1] / b[2]);
+	return a[2] > NEAREST_M && b[2] > NEAREST_M;
 }
 
 static void check_render(struct check *check, const struct pkg_cell *cell)
 {
 	for (size_t i = 0; i < (size_t)RASTER_WIDTH * RASTER_HEIGHT; i++) {
 		const struct raster_pixel *pixel = &check->raster.pixels[i];
-		if (!pixel->truth || !pixel->truth->object)
+		double px, texel_px;
+		if (!pixel->truth)
 			continue;
-		double px = displacement_px(&check->raster, pixel);
+		check->out->made_up += !pixel->truth->object;
+		struct dvec3 shown = { pixel->truth->pos_m[0], pixel->truth->pos_m[1], pixel->truth->pos_m[2] };
+		if (!pixel->truth->object || !apart(&check->raster, pixel->at, shown, &px) ||
+			!apart(&check->raster, pixel->at, pixel->corner, &texel_px))
+			continue;
 		ARRAY_PUSH(&check->px, (float)px);
 		check->out->over_tau += px > cell->tau_px;
-		check->out->over_error += px > fmax(cell->error_px, cell->tau_px) + 1.0;
+		check->out->over_error += px > fmax(cell->error_px, cell->tau_px) + texel_px;
 	}
 }
 

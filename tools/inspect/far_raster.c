@@ -70,9 +70,26 @@ static bool load_corner(const struct far_raster *raster, uint32_t index, struct 
 	return true;
 }
 
-/* The texel at shares of the corners in space; NULL: cut away. */
-static const struct pkg_truth_texel *texel_at(
-	const struct far_raster *raster, const struct corner corner[3], uint32_t page, const double share[3])
+/* Where a texture coordinate is drawn: shares of the corners on the page, over the depth in the capture's view, are
+ * shares in space. */
+static struct dvec3 place_of(const struct corner corner[3], double u, double v)
+{
+	struct dvec3 place = { 0 };
+	double sum = 0.0;
+	for (int k = 0; k < 3; k++) {
+		const struct corner *a = &corner[(k + 1) % 3], *b = &corner[(k + 2) % 3];
+		double share = ((a->u - u) * (b->v - v) - (b->u - u) * (a->v - v)) / corner[k].capture_depth;
+		place.x += share * corner[k].at.x;
+		place.y += share * corner[k].at.y;
+		place.z += share * corner[k].at.z;
+		sum += share;
+	}
+	return (struct dvec3){ place.x / sum, place.y / sum, place.z / sum };
+}
+
+/* Finds the texel at shares of the corners in space. False: cut away. */
+static bool find_texel(const struct far_raster *raster, const struct corner corner[3], uint32_t page,
+	const double share[3], struct raster_pixel *out)
 {
 	double u = 0.0, v = 0.0, z = 0.0;
 	for (int k = 0; k < 3; k++) {
@@ -80,12 +97,17 @@ static const struct pkg_truth_texel *texel_at(
 		v += share[k] * corner[k].v * corner[k].capture_depth;
 		z += share[k] * corner[k].capture_depth;
 	}
-	u /= z;
-	v /= z;
+	u = floor(u / z);
+	v = floor(v / z);
 	if (!(u >= 0.0 && v >= 0.0 && u < PKG_PAGE_PX && v < PKG_PAGE_PX))
-		return NULL;
+		return false;
 	size_t i = page * PAGE_TEXELS + (size_t)v * PKG_PAGE_PX + (size_t)u;
-	return raster->alpha[i] < PKG_PAGE_CUT ? NULL : &raster->truth[i];
+	if (raster->alpha[i] < PKG_PAGE_CUT)
+		return false;
+	out->truth = &raster->truth[i];
+	out->at = place_of(corner, u + 0.5, v + 0.5);
+	out->corner = place_of(corner, u + 1.0, v + 1.0);
+	return true;
 }
 
 static void draw_pixel(
@@ -101,19 +123,13 @@ static void draw_pixel(
 		sum += share[k];
 	}
 	struct raster_pixel *pixel = &raster->pixels[(size_t)y * RASTER_WIDTH + (size_t)x];
-	if (pixel->truth && pixel->depth <= 1.0 / sum)
+	struct raster_pixel drawn = { .depth = 1.0 / sum };
+	if (pixel->truth && pixel->depth <= drawn.depth)
 		return;
 	for (int k = 0; k < 3; k++)
 		share[k] /= sum;
-	const struct pkg_truth_texel *truth = texel_at(raster, corner, page, share);
-	if (!truth)
-		return;
-	*pixel = (struct raster_pixel){ .truth = truth, .depth = 1.0 / sum };
-	for (int k = 0; k < 3; k++) {
-		pixel->at.x += share[k] * corner[k].at.x;
-		pixel->at.y += share[k] * corner[k].at.y;
-		pixel->at.z += share[k] * corner[k].at.z;
-	}
+	if (find_texel(raster, corner, page, share, &drawn))
+		*pixel = drawn;
 }
 
 static void draw_triangle(struct far_raster *raster, uint32_t first)

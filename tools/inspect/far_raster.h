@@ -10,7 +10,7 @@
 #define RASTER_FOCAL_PX 434.5 /* 45 degrees from top to bottom */
 
 struct raster_pixel {
-	struct dvec3 at;                     /* where it is drawn, metres from the cell's origin */
+	struct dvec3 at, corner;             /* where its texel's middle and corner are drawn, m from the cell's origin */
 	const struct pkg_truth_texel *truth; /* of its texel; NULL: nothing is drawn here */
 	double depth;
 };
