@@ -243,6 +243,8 @@ static void gles3_texture_write(
 	GLint level = (GLint)r->level, x = (GLint)r->x, y = (GLint)r->y, z = (GLint)r->layer;
 	GLsizei w = (GLsizei)r->width, h = (GLsizei)r->height, d = (GLsizei)r->layers;
 	GLsizei bytes = (GLsizei)gfx_format_bytes(slot->desc.format, r->width, r->height, r->layers);
+	if (r->row_texels)
+		glPixelStorei(GL_UNPACK_ROW_LENGTH, (GLint)r->row_texels);
 	if (slot->desc.layers && format)
 		glTexSubImage3D(GL_TEXTURE_2D_ARRAY, level, x, y, z, w, h, d, format, type, texels);
 	else if (slot->desc.layers)
@@ -251,6 +253,8 @@ static void gles3_texture_write(
 		glTexSubImage2D(GL_TEXTURE_2D, level, x, y, w, h, format, type, texels);
 	else
 		glCompressedTexSubImage2D(GL_TEXTURE_2D, level, x, y, w, h, internal, bytes, texels);
+	if (r->row_texels)
+		glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
 }
 
 static GLuint make_renderbuffer(GLenum format, const struct gfx_target_desc *desc)
