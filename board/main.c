@@ -17,6 +17,7 @@
 #include "board/panel.h"
 #include "board/png_write.h"
 #include "board/profile.h"
+#include "board/reverse.h"
 #include "board/settings.h"
 #include "board/standby.h"
 #include "board/stats.h"
@@ -29,6 +30,8 @@
 #define CPU_SHARE_MIN ((uint64_t)3 << 20)
 #define CPU_SHARE_MAX ((uint64_t)96 << 20)
 #define LOADING_STEP_NS (2 * NS_PER_MS)
+#define WHILE_LOADING_NS (15 * NS_PER_MS) /* from one look at the inputs to the next */
+#define NIGHT_AMBIENT 0.3
 
 struct machine {
 	struct options options;
@@ -43,6 +46,7 @@ struct machine {
 	struct display display;
 	struct panel_pace pace;
 	struct screen screen;
+	struct reverse reverse;
 	struct city city;
 	uint8_t *pixels; /* width * height * 4 */
 	struct stats stats;
@@ -52,6 +56,10 @@ struct machine {
 	bool quit;
 	int64_t started_ns; /* of the process */
 	int64_t origin_ns;  /* real time that is 0 on the frames' clock */
+	int64_t began_ns;   /* of the frame being made, real time */
+	int64_t looked_ns;  /* at the inputs while the map loads, real time */
+	bool running;       /* the frames' clock is */
+	bool loading;       /* within city_step() or the map's first picture */
 	uint32_t last_half;
 };
 
@@ -166,6 +174,8 @@ static int64_t controls_time(const struct machine *m, int64_t frame_ns)
 	return m->simulated ? frame_ns : clock_now_ns();
 }
 
+static void while_loading(void *context);
+
 static void begin_map(struct machine *m)
 {
 	struct city_config config = {
@@ -175,22 +185,24 @@ static void begin_map(struct machine *m)
 		.inputs = &m->inputs,
 		.arena = &m->boot,
 		.simulated = m->simulated,
+		.between = m->simulated || !reverse_has_camera(&m->reverse) ? NULL : while_loading,
+		.context = m,
 	};
 	city_begin(&m->city, &config);
 }
 
-/* Whether the map is there or may still come; else *code says why not. */
-static bool map_may_come(struct machine *m, int *code)
+/* Whether to go on: the map is there, may still come, or there is a camera without it. */
+static bool step_map(struct machine *m)
 {
+	m->loading = true;
 	city_step(&m->city);
-	*code = m->city.exit_code;
-	return m->city.state != CITY_FAILED;
+	m->loading = false;
+	return m->city.state != CITY_FAILED || reverse_has_camera(&m->reverse);
 }
 
 /* This machine first, the map beside or after it: returns an exit status. */
 static int start(struct machine *m)
 {
-	int code;
 	if (load_profile(m) < 0)
 		return EXIT_CODE_BAD_INPUT;
 	if (reserve_memory(m) < 0)
@@ -199,7 +211,10 @@ static int start(struct machine *m)
 		return EXIT_CODE_FAILED;
 	if (open_display(m) < 0 || open_screen(m) < 0)
 		return EXIT_CODE_FAILED;
-	int status = inputs_open(&m->inputs, &m->options, &m->profile, NULL, &m->boot);
+	int status = reverse_open(&m->reverse, &m->options, &m->profile, &m->screen, m->simulated, &m->boot);
+	if (status < 0)
+		return status == -EINVAL ? EXIT_CODE_BAD_INPUT : EXIT_CODE_FAILED;
+	status = inputs_open(&m->inputs, &m->options, &m->profile, NULL, &m->boot);
 	if (status < 0)
 		return status == -ENOMEM || (m->options.can_count && !m->options.replay) ? EXIT_CODE_FAILED
 																				 : EXIT_CODE_BAD_INPUT;
@@ -208,8 +223,8 @@ static int start(struct machine *m)
 		return status == -ENOMEM ? EXIT_CODE_FAILED : EXIT_CODE_BAD_INPUT;
 	standby_open(&m->standby, &m->options, &m->profile);
 	begin_map(m);
-	if (m->simulated && !map_may_come(m, &code))
-		return code;
+	if (m->simulated && !step_map(m))
+		return m->city.exit_code;
 	return EXIT_CODE_DONE;
 }
 
@@ -232,6 +247,7 @@ static void gather_stats(struct machine *m)
 	s->gpu_high_water_bytes = gfx_stats(m->screen.gfx)->bytes_high_water;
 	s->allocations_after_start = m->boot.late;
 	inputs_stats(&m->inputs, s);
+	reverse_stats(&m->reverse, &s->camera);
 }
 
 static void write_stats(struct machine *m)
@@ -275,16 +291,14 @@ static void handle_events(struct machine *m)
 	}
 }
 
-static void count_frame(struct machine *m, int64_t took_ns, const struct nav_view *view)
+static void count_map_frame(struct machine *m, const struct nav_view *view)
 {
 	struct renderer_stats drawn;
 	renderer_stats(m->city.renderer, &drawn);
 	struct stats *s = &m->stats;
-	histogram_add(&s->frame_ns, (uint64_t)took_ns);
 	histogram_add(&s->triangles, drawn.triangles);
 	histogram_add(&s->far_triangles, drawn.far_triangles);
 	histogram_add(&s->draws, drawn.draws);
-	s->late_frames += took_ns > NS_PER_S / m->options.fps;
 	s->fallback_frames += drawn.far_fallback;
 	s->late_cell_frames += drawn.far_late;
 	if (drawn.far_error_px > s->far_error_px)
@@ -296,7 +310,6 @@ static void count_frame(struct machine *m, int64_t took_ns, const struct nav_vie
 		s->cells_entered++;
 		m->last_half = view->half;
 	}
-	s->frames++;
 	if (!m->city.drawn) {
 		s->first_frame_ms = (double)(clock_now_ns() - m->started_ns) / 1e6;
 		arena_seal(&m->boot);
@@ -304,7 +317,23 @@ static void count_frame(struct machine *m, int64_t took_ns, const struct nav_vie
 	city_drawn(&m->city);
 }
 
-static void draw(struct machine *m, int64_t now_ns, const struct nav_view *view)
+static void count_frame(struct machine *m)
+{
+	int64_t took_ns = clock_now_ns() - m->began_ns;
+	histogram_add(&m->stats.frame_ns, (uint64_t)took_ns);
+	m->stats.late_frames += took_ns > NS_PER_S / m->options.fps;
+	m->stats.frames++;
+}
+
+static bool is_night(const struct machine *m)
+{
+	double ambient = m->inputs.state.ambient;
+	return m->settings.light == LIGHT_NIGHT ||
+		   (m->settings.light == LIGHT_AUTO &&
+			   (m->controls.state.night.on || (ambient >= 0.0 && ambient < NIGHT_AMBIENT)));
+}
+
+static void draw_map(struct machine *m, int64_t now_ns, const struct nav_view *view)
 {
 	struct renderer_time time = {
 		.time_ns = now_ns,
@@ -313,18 +342,46 @@ static void draw(struct machine *m, int64_t now_ns, const struct nav_view *view)
 			m->settings.light == LIGHT_NIGHT || (m->settings.light == LIGHT_AUTO && m->controls.state.night.on),
 		.ambient = m->settings.light == LIGHT_DAY ? 1.0 : view->ambient,
 	};
-	int64_t began = clock_now_ns();
+	m->loading = !m->city.drawn;
 	renderer_draw(m->city.renderer, view, &time);
-	panel_bring_out(&m->display, &m->screen, m->pixels);
-	count_frame(m, clock_now_ns() - began, view);
+	m->loading = false;
 }
 
-/* Nothing to see: the ignition is off. */
-static void draw_dark(struct machine *m)
+/* What the screen shall show now, drawn: the reversing picture before everything. False: nothing new. */
+static bool draw(struct machine *m, int64_t now_ns, const struct nav_view *view)
 {
-	screen_draw_dark(&m->screen);
+	bool failed = m->city.state == CITY_FAILED;
+	struct reverse_input input = {
+		.now_ns = controls_time(m, now_ns),
+		.frames_to_clock_ns = m->origin_ns,
+		.vehicle = &m->inputs.vehicle,
+		.state = &m->inputs.state,
+		.line = &m->controls.state.reverse,
+		.night = is_night(m),
+		.note = failed ? "NO MAP" : NULL,
+	};
+	m->began_ns = clock_now_ns();
+	if (reverse_update(&m->reverse, &input)) {
+		reverse_draw(&m->reverse, &input);
+		return true;
+	}
+	if (m->loading)
+		return false;
+	if (m->city.state == CITY_READY)
+		draw_map(m, now_ns, view);
+	else if (failed)
+		reverse_view_notice(&m->reverse.view, "NO MAP", "THE CITY FILE IS MISSING OR DAMAGED", true, input.night);
+	return m->city.state == CITY_READY || failed;
+}
+
+/* Shows what was drawn, and counts it. Returns 0 or -errno. */
+static int show(struct machine *m, int64_t now_ns)
+{
 	panel_bring_out(&m->display, &m->screen, m->pixels);
-	m->stats.frames++;
+	count_frame(m);
+	int status = panel_show(&m->display, &m->screen, m->pixels);
+	reverse_shown(&m->reverse, controls_time(m, now_ns));
+	return status;
 }
 
 static int save_frame(struct machine *m)
@@ -341,14 +398,22 @@ static int save_frame(struct machine *m)
 	return png_write(path, m->pixels, m->options.width, m->options.height);
 }
 
+/* Nothing to see: the ignition is off. */
+static int draw_dark(struct machine *m)
+{
+	screen_draw_dark(&m->screen);
+	panel_bring_out(&m->display, &m->screen, m->pixels);
+	m->stats.frames++;
+	int status = panel_show(&m->display, &m->screen, m->pixels);
+	return status < 0 ? status : save_frame(m);
+}
+
 /* The frames' clock of the next frame; waits for it unless the clock is simulated. */
 static int64_t next_time(struct machine *m, int64_t last_ns)
 {
 	int64_t period = NS_PER_S / power_fps(&m->standby.power, m->options.fps);
 	if (m->simulated)
 		return (int64_t)m->stats.frames * NS_PER_S / m->options.fps;
-	if (m->stats.frames == 0)
-		m->origin_ns = m->options.replay ? clock_now_ns() : 0;
 	clock_sleep_until(m->origin_ns + last_ns + period);
 	int64_t now = clock_now_ns() - m->origin_ns;
 	if (m->paused) {
@@ -364,53 +429,81 @@ static bool is_over(const struct machine *m)
 		   (m->options.replay && inputs_ended(&m->inputs));
 }
 
-/* Until there is a map the loop only listens; what was on the screen before stays. */
-static int wait_for_map(struct machine *m)
+/* The frames' clock begins with the map, or at once when a camera does not wait for it. */
+static bool start_clock(struct machine *m)
 {
-	int code = EXIT_CODE_DONE;
-	while (m->city.state != CITY_READY && !m->quit && !stop_asked) {
-		handle_events(m);
-		handle_controls(m, 0);
-		if (!map_may_come(m, &code))
-			return code;
-		if (m->city.state == CITY_OPENING)
-			clock_sleep_until(clock_now_ns() + LOADING_STEP_NS);
+	if (!m->running && (m->city.state == CITY_READY || reverse_has_camera(&m->reverse))) {
+		m->running = true;
+		m->origin_ns = m->options.replay && !m->simulated ? clock_now_ns() : 0;
 	}
-	return code;
+	return m->running;
+}
+
+/* Called again and again while the map loads: listens, and draws if the car is put into reverse. */
+static void while_loading(void *context)
+{
+	static struct nav_view view;
+	struct machine *m = context;
+	int64_t began_ns = m->began_ns, now_ns = clock_now_ns();
+	if (now_ns - m->looked_ns < WHILE_LOADING_NS || !start_clock(m))
+		return;
+	m->looked_ns = now_ns;
+	now_ns -= m->origin_ns;
+	handle_events(m);
+	controls_advance(&m->controls, controls_time(m, now_ns));
+	inputs_advance(&m->inputs, now_ns, &view);
+	if (!m->display.hidden && draw(m, now_ns, &view))
+		show(m, now_ns);
+	notify_alive(&m->notify, clock_now_ns());
+	m->began_ns = began_ns;
+}
+
+static int step(struct machine *m, int64_t now_ns)
+{
+	static struct nav_view view;
+	handle_controls(m, now_ns);
+	inputs_advance(&m->inputs, now_ns, &view);
+	enum standby_order order = standby_advance(&m->standby, &m->inputs, &m->controls.state.ignition, now_ns);
+	m->quit |= order == STANDBY_END;
+	if (m->display.hidden)
+		return 0;
+	if (order != STANDBY_RUN)
+		return draw_dark(m);
+	if (!draw(m, now_ns, &view)) {
+		clock_sleep_until(clock_now_ns() + LOADING_STEP_NS);
+		return 0;
+	}
+	int status = show(m, now_ns);
+	if (m->city.state == CITY_READY && !m->reverse.engaged)
+		count_map_frame(m, &view);
+	return status < 0 ? status : save_frame(m);
 }
 
 static int run(struct machine *m)
 {
-	static struct nav_view view;
 	int64_t now_ns = 0;
 	m->last_half = PKG_NONE;
-	int code = wait_for_map(m);
-	standby_begin(&m->standby, &m->options, &m->inputs);
-	while (m->city.state == CITY_READY && !is_over(m)) {
+	while (!is_over(m)) {
 		handle_events(m);
-		now_ns = next_time(m, now_ns);
-		handle_controls(m, now_ns);
-		inputs_advance(&m->inputs, now_ns, &view);
-		enum standby_order order = standby_advance(&m->standby, &m->inputs, &m->controls.state.ignition, now_ns);
-		m->quit |= order == STANDBY_END;
-		if (m->display.hidden)
+		if (!step_map(m))
+			break;
+		standby_begin(&m->standby, &m->options, &m->inputs);
+		if (!start_clock(m)) { /* what was on the screen before stays */
+			clock_sleep_until(clock_now_ns() + LOADING_STEP_NS);
 			continue;
-		if (order == STANDBY_RUN)
-			draw(m, now_ns, &view);
-		else
-			draw_dark(m);
-		if (panel_show(&m->display, &m->screen, m->pixels) < 0)
+		}
+		now_ns = next_time(m, now_ns);
+		if (step(m, now_ns) < 0)
 			return EXIT_CODE_FAILED;
-		notify_ready(&m->notify, NULL);
+		if (m->stats.frames)
+			notify_ready(&m->notify, NULL);
 		notify_alive(&m->notify, clock_now_ns());
-		if (save_frame(m) < 0)
-			return EXIT_CODE_FAILED;
 		if (stats_asked) {
 			stats_asked = 0;
 			write_stats(m);
 		}
 	}
-	return code;
+	return m->city.exit_code;
 }
 
 static int finish(struct machine *m, int code)
@@ -426,6 +519,7 @@ static int finish(struct machine *m, int code)
 	}
 	controls_close(&m->controls);
 	city_finish(&m->city);
+	reverse_close(&m->reverse);
 	screen_finish(&m->screen);
 	display_close(&m->display);
 	if (m->memory)

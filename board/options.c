@@ -13,6 +13,7 @@ const char *argp_program_version = "boulevard " BLVD_VERSION;
 enum {
 	OPT_REPLAY = 256,
 	OPT_CAN,
+	OPT_CAMERA,
 	OPT_GPIO,
 	OPT_DBC,
 	OPT_HEADLESS,
@@ -40,6 +41,7 @@ enum {
 static const struct argp_option option_table[] = {
 	{ "replay", OPT_REPLAY, "LOG.candump", 0, "replay a log; with --headless the clock is simulated", 0 },
 	{ "can", OPT_CAN, "INTERFACE", 0, "read a CAN interface; repeat for more", 0 },
+	{ "camera", OPT_CAMERA, "DEVICE", 0, "reversing camera: /dev/video0, sim or sim:SCRIPT, none", 0 },
 	{ "gpio", OPT_GPIO, "CHIP", 0, "chip of the profile's lines; sim:FILE plays a script instead", 0 },
 	{ "headless", OPT_HEADLESS, NULL, 0, "the same as --display headless: no display, no GPU, no root", 0 },
 	{ "display", OPT_DISPLAY, "NAME", 0, "window, headless or kms[:DEVICE]", 0 },
@@ -151,6 +153,9 @@ static error_t parse_input(int key, char *value, struct options *out, struct arg
 		return 0;
 	case OPT_CAN:
 		list_add(out->can, &out->can_count, "--can", value, state);
+		return 0;
+	case OPT_CAMERA:
+		out->camera = value;
 		return 0;
 	case OPT_GPIO:
 		out->gpio = value;

@@ -19,7 +19,8 @@ struct options {
 	int can_count;
 	const char *dbc[OPTIONS_LIST_MAX];
 	int dbc_count;
-	const char *gpio; /* a chip, or "sim:" and a script */
+	const char *gpio;   /* a chip, or "sim:" and a script */
+	const char *camera; /* a device, or "sim" or "sim:" and a script */
 	const char *profile;
 	const char *display; /* "headless", "window", "kms" */
 	const char *device;  /* after "kms:" */

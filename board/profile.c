@@ -93,6 +93,18 @@ static const struct number_key number_keys[] = {
 	{ "car", "steering_ratio", KIND_DOUBLE, FIELD(steering_ratio), 0.5, 50 },
 	{ "car", "steering_centre_deg", KIND_DOUBLE, FIELD(steering_centre_deg), -90, 90 },
 	{ "car", "understeer_s2pm2", KIND_DOUBLE, FIELD(understeer_s2pm2), -0.01, 0.05 },
+	{ "car", "width_m", KIND_DOUBLE, FIELD(width_m), 0.5, 4 },
+	{ "car", "rear_overhang_m", KIND_DOUBLE, FIELD(rear_overhang_m), 0, 10 },
+	{ "camera", "width", KIND_U32, FIELD(camera.width), 64, 4096 },
+	{ "camera", "height", KIND_U32, FIELD(camera.height), 64, 4096 },
+	{ "camera", "fps", KIND_U32, FIELD(camera.fps), 1, 240 },
+	{ "camera", "fov_deg", KIND_DOUBLE, FIELD(camera.fov_deg), 10, 220 },
+	{ "camera", "k1", KIND_DOUBLE, FIELD(camera.k1), -2, 2 },
+	{ "camera", "k2", KIND_DOUBLE, FIELD(camera.k2), -2, 2 },
+	{ "camera", "height_m", KIND_DOUBLE, FIELD(camera.height_m), 0.1, 5 },
+	{ "camera", "pitch_deg", KIND_DOUBLE, FIELD(camera.pitch_deg), -20, 90 },
+	{ "camera", "behind_axle_m", KIND_DOUBLE, FIELD(camera.behind_axle_m), -5, 15 },
+	{ "camera", "offset_m", KIND_DOUBLE, FIELD(camera.offset_m), -2, 2 },
 	{ "power", "off_after_s", KIND_SECONDS, FIELD(power.off_after_ns), 0.1, 3600 },
 	{ "obd", "rate_hz", KIND_DOUBLE, FIELD(obd_rate_hz), 0.1, 20 },
 	{ "start", "latitude", KIND_DOUBLE, FIELD(start.lat_deg), -90, 90 },
@@ -432,6 +444,29 @@ static bool is_panel_text(struct reader *in, const char *key, const char *value,
 	return false;
 }
 
+static bool set_in_camera(struct reader *in, const char *key, char *value)
+{
+	static const char *const lenses[] = { "pinhole", "fisheye", NULL };
+	static const char *const formats[] = { "auto", "yuyv", "uyvy", "nv12", "rgbx", "bgrx", "mjpeg", NULL };
+	struct profile_camera *camera = &in->profile->camera;
+	int at;
+	if (!strcmp(key, "device")) {
+		camera->device = strcmp(value, "none") != 0 ? keep(in, value) : NULL;
+	} else if (!strcmp(key, "lens")) {
+		if ((at = choose(in, key, value, lenses)) >= 0)
+			camera->lens = (enum lens_kind)at;
+	} else if (!strcmp(key, "format")) {
+		if ((at = choose(in, key, value, formats)) >= 0)
+			camera->format = camera_format_by_name(value);
+	} else if (!strcmp(key, "mirror") || !strcmp(key, "repeats")) {
+		bool *to = !strcmp(key, "mirror") ? &camera->mirror : &camera->repeats;
+		return parse_bool(value, to) || fail(in, "%s is '%.40s', not yes or no", key, value);
+	} else {
+		return unknown(in, "camera", key);
+	}
+	return !in->status;
+}
+
 static bool set_word(struct reader *in, const char *section, const char *key, char *value)
 {
 	static const char *const styles[] = { "auto", "day", "dusk", "night", NULL };
@@ -487,6 +522,8 @@ static int set_key(void *user, const char *section, const char *key, const char 
 			in->profile->has_heading |= number_keys[i].field == FIELD(start_heading_deg);
 			return set_number(in, &number_keys[i], value);
 		}
+	if (!strcmp(section, "camera"))
+		return set_in_camera(in, key, copy);
 	if (!strcmp(section, "gpio") || !strcmp(section, "input"))
 		return set_in_gpio(in, section, key, copy);
 	if (!strcmp(section, "signals"))
@@ -531,7 +568,18 @@ static void defaults(struct profile *out, const char *path)
 		.brightness_night = 1.0,
 		.budget_bytes = UINT64_C(512) << 20,
 		.steering_ratio = 15.0,
+		.width_m = 1.8,
+		.rear_overhang_m = 1.0,
 		.gpio = { .rotary_steps = 4 },
+		.camera = { .width = 1280,
+			.height = 720,
+			.fps = 30,
+			.mirror = true,
+			.repeats = true,
+			.fov_deg = 110.0,
+			.height_m = 0.95,
+			.pitch_deg = 32.0,
+			.behind_axle_m = 0.9 },
 	};
 }
 

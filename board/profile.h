@@ -14,6 +14,7 @@
 #include "nav/vehicle.h"
 #include "platform/base/arena.h"
 #include "platform/base/geo.h"
+#include "platform/camera/camera.h"
 #include "platform/can/can_bus.h"
 #include "platform/can/obd.h"
 
@@ -52,6 +53,18 @@ struct profile_signal {
 	struct profile_map map[VEHICLE_MAP_MAX];
 };
 
+/* The section [camera]. */
+struct profile_camera {
+	const char *device; /* "/dev/video0", "sim" or "sim:SCRIPT"; NULL: none */
+	uint32_t width, height, fps;
+	enum camera_format format;
+	bool mirror;  /* shown as a mirror shows it */
+	bool repeats; /* the same picture again is a frozen one */
+	enum lens_kind lens;
+	double fov_deg, k1, k2;
+	double height_m, pitch_deg, behind_axle_m, offset_m;
+};
+
 struct profile {
 	const char *path; /* as it was given; "built-in profile" */
 	uint32_t width, height;
@@ -78,6 +91,7 @@ struct profile {
 	double obd_rate_hz;
 	enum obd_addressing obd_addressing;
 	double wheelbase_m, track_m; /* 0: not said */
+	double width_m, rear_overhang_m;
 	double steering_ratio;
 	double steering_centre_deg;
 	double understeer_s2pm2;
@@ -85,6 +99,7 @@ struct profile {
 	struct profile_signal signals[VEHICLE_INPUT_COUNT];
 	struct profile_gpio gpio;
 	struct power_config power;
+	struct profile_camera camera;
 	unsigned warnings; /* unknown keys; each was logged */
 };
 

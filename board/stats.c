@@ -82,6 +82,22 @@ static unsigned long long peak_rss_bytes(void)
 	return getrusage(RUSAGE_SELF, &usage) == 0 ? (unsigned long long)usage.ru_maxrss * 1024 : 0;
 }
 
+static void print_camera(FILE *to, const struct camera_stats *c)
+{
+	fprintf(to, "  \"camera\": {\"format\": ");
+	print_string(to, c->format);
+	fprintf(to,
+		", \"frames\": %llu, \"bad\": %llu, \"skipped\": %llu, \"sessions\": %llu, \"decode_ms_max\": %.1f,\n"
+		"    \"reversed\": %llu, \"shown\": %llu, \"frozen\": %llu, \"missing\": %llu, \"too_old\": %llu, "
+		"\"age_max_ms\": %.1f,\n"
+		"    \"edge_to_picture_ms\": {\"median\": %.1f, \"max\": %.1f}},\n",
+		(unsigned long long)c->frames, (unsigned long long)c->bad, (unsigned long long)c->skipped,
+		(unsigned long long)c->sessions, (double)c->decode_ns_max / 1e6, (unsigned long long)c->reversed,
+		(unsigned long long)c->shown, (unsigned long long)c->frozen, (unsigned long long)c->missing,
+		(unsigned long long)c->too_old, (double)c->age_ns.max / 1e6, (double)histogram_quantile(&c->edge_ns, 0.5) / 1e6,
+		(double)c->edge_ns.max / 1e6);
+}
+
 void stats_print_json(const struct stats *s, FILE *to)
 {
 	fprintf(to, "{\n  \"frames\": %llu,\n  \"renderer\": ", (unsigned long long)s->frames);
@@ -111,6 +127,8 @@ void stats_print_json(const struct stats *s, FILE *to)
 		(unsigned long long)s->can_frames_lost, (unsigned long long)s->can_errors, s->can_cpu_ms);
 	fprintf(to, "  \"record\": {\"lines\": %llu, \"lost\": %llu},\n", (unsigned long long)s->record_lines,
 		(unsigned long long)s->record_lost);
+	if (s->camera.configured)
+		print_camera(to, &s->camera);
 	fprintf(to, "  \"vehicle\": {\"frames_in\": %llu, \"frames_bad\": %llu, \"stale_ms_max\": %lld}\n}\n",
 		(unsigned long long)s->can_frames_in, (unsigned long long)s->can_frames_bad,
 		(long long)(s->stale_ns_max / 1000000));

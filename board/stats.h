@@ -5,6 +5,7 @@
 #ifndef BLVD_BOARD_STATS_H
 #define BLVD_BOARD_STATS_H
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -21,6 +22,21 @@ void histogram_add(struct histogram *histogram, uint64_t value);
 
 /* The smallest value that at least a share `quantile` (0 to 1] of the samples does not exceed; 0 without samples. */
 uint64_t histogram_quantile(const struct histogram *histogram, double quantile);
+
+/* The reversing camera (board/reverse.h). */
+struct camera_stats {
+	bool configured;
+	char format[48];
+	uint64_t frames, bad, skipped; /* taken from the device; never shown; lost before us */
+	uint64_t sessions;             /* times that it was opened */
+	uint64_t reversed;             /* times that reverse was put in */
+	uint64_t shown;                /* live pictures on the screen */
+	uint64_t frozen, missing;      /* times that it became so */
+	uint64_t too_old;              /* pictures older than 200 ms when they were seen */
+	int64_t decode_ns_max;
+	struct histogram age_ns;  /* of pictures when they were seen */
+	struct histogram edge_ns; /* from reverse put in to the first live picture on the screen */
+};
 
 struct stats {
 	struct histogram frame_ns, triangles, far_triangles, draws;
@@ -45,6 +61,7 @@ struct stats {
 	uint64_t record_lines, record_lost;
 	int64_t stale_ns_max;
 	uint64_t reroutes, off_street_frames;
+	struct camera_stats camera;
 };
 
 void stats_print_json(const struct stats *stats, FILE *to);

@@ -117,7 +117,7 @@ static void draw_width(const struct pen *pen)
 static void draw_path(const struct pen *pen)
 {
 	double half = pen->config->width_m / 2.0;
-	float wide = 5.0f * pen->scale;
+	float wide = 12.0f * pen->scale; /* straight, it is seen on both sides of the width */
 	for (int side = -1; side <= 1; side += 2)
 		line(pen, true, (double[]){ 0.0, side * half }, (double[]){ REACH_M, side * half }, wide, PATH_RGB);
 	for (size_t i = 1; i < sizeof(marks) / sizeof(*marks); i++)
@@ -156,8 +156,8 @@ void guide_draw(struct canvas *canvas, const struct guide_config *config, const 
 		.angle_rad = fmin(fmax(angle_rad, -ANGLE_MAX_RAD), ANGLE_MAX_RAD),
 		.scale = scale,
 		.brightness = brightness };
-	draw_width(&pen);
 	if (angle_known && config->wheelbase_m > 0.0)
 		draw_path(&pen);
+	draw_width(&pen);
 	draw_texts(&pen);
 }

@@ -119,7 +119,7 @@ bool reverse_view_upload(struct reverse_view *view, const struct camera_frame *f
 }
 
 /* Rows of the matrix from what the texture holds (0 to 1) to RGB, the fourth column added. */
-static void color_matrix(const struct camera_frame *frame, float gain, float rows[3][4])
+static void color_matrix(const struct camera_frame *frame, float gain, float (*rows)[4])
 {
 	if (frame->format == CAMERA_RGBX || frame->format == CAMERA_BGRX) {
 		bool swap = frame->format == CAMERA_BGRX;
@@ -179,7 +179,7 @@ static void draw_picture(const struct reverse_view *view, const struct box *at, 
 		texture_box(view, frame->width / 2, frame->height, constants[2]);
 	else
 		texture_box(view, frame->chroma_width, frame->chroma_height, constants[2]);
-	color_matrix(frame, night ? NIGHT_PICTURE : 1.0f, &constants[3]);
+	color_matrix(frame, night ? NIGHT_PICTURE : 1.0f, constants + 3);
 	struct gfx_draw draw = {
 		.pipeline = view->pipelines[view->layout],
 		.count = 4,

@@ -95,7 +95,7 @@ static void draw_letter(
 		strokes += *strokes == ' ';
 		if (count > 1)
 			canvas_stroke(canvas, points, count, width_px, color);
-		else
+		else if (count)
 			canvas_disc(canvas, points[0], width_px * 0.6f, color);
 	}
 }

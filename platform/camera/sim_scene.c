@@ -74,10 +74,8 @@ static struct colour ground(double back, double right, double span)
 		return colour(0.26, 0.42 + 0.04 * sin(back * 2.0), 0.20);
 	if (back > KERB_M)
 		return colour(0.62, 0.61, 0.58);
-	double bay = right - BAY_M * (floor(right / BAY_M) + 0.5);
-	double line = back < BAY_END_M && fabs(right) < 4.0 * BAY_M
-					  ? covered(bay - BAY_M / 2.0 * (bay > 0 ? 1 : -1), 0.06, span)
-					  : 0.0;
+	double bay = right - BAY_M * floor(right / BAY_M) - BAY_M / 2.0; /* the car stands in the middle of one */
+	double line = back < BAY_END_M && fabs(right) < 4.0 * BAY_M ? covered(bay, 0.06, span) : 0.0;
 	line = fmax(line, covered(back - BAY_END_M, 0.06, span) * (fabs(right) < 4.0 * BAY_M));
 	return colour(grey + 0.58 * line, grey + 0.58 * line, grey + 0.02 + 0.55 * line);
 }
@@ -96,7 +94,7 @@ void sim_scene_draw(const struct camera_config *config, const struct camera_fram
 		for (uint32_t x = 0; x < into->width; x++) {
 			struct dvec2 at = { (x + 0.5) * pixel - 0.5, (y + 0.5 - into->height / 2.0) * pixel };
 			struct dvec3 ray;
-			double back, right;
+			double back = 0.0, right = 0.0;
 			struct colour c = colour(0.0, 0.0, 0.0);
 			if (lens_unproject(&config->lens, at, &ray)) {
 				double distance = ground_from_camera(&config->mount, ray, &back, &right)
