@@ -453,10 +453,12 @@ static bool set_in_camera(struct reader *in, const char *key, char *value)
 	if (!strcmp(key, "device")) {
 		camera->device = strcmp(value, "none") != 0 ? keep(in, value) : NULL;
 	} else if (!strcmp(key, "lens")) {
-		if ((at = choose(in, key, value, lenses)) >= 0)
+		at = choose(in, key, value, lenses);
+		if (at >= 0)
 			camera->lens = (enum lens_kind)at;
 	} else if (!strcmp(key, "format")) {
-		if ((at = choose(in, key, value, formats)) >= 0)
+		at = choose(in, key, value, formats);
+		if (at >= 0)
 			camera->format = camera_format_by_name(value);
 	} else if (!strcmp(key, "mirror") || !strcmp(key, "repeats")) {
 		bool *to = !strcmp(key, "mirror") ? &camera->mirror : &camera->repeats;
