@@ -4,6 +4,7 @@
  */
 #include "assets/residency.h"
 
+#include <assert.h>
 #include <errno.h>
 
 #include "platform/base/log.h"
@@ -32,31 +33,6 @@ static uint32_t chunk_indices(const struct pkg_chunk *chunk)
 static uint64_t chunk_bytes(const struct pkg_chunk *chunk)
 {
 	return (uint64_t)chunk->vertex_count * sizeof(struct pkg_mesh_vertex) + (uint64_t)chunk_indices(chunk) * 2;
-}
-
-int residency_init(struct residency *residency, struct arena *arena, const struct pkg *pkg, uint32_t vertex_capacity,
-	uint32_t index_capacity)
-{
-	uint64_t vertices, indices;
-	residency_totals(pkg, &vertices, &indices);
-	uint32_t count = pkg->chunk_count;
-	*residency = (struct residency){
-		.pkg = pkg,
-		.chunks = ARENA_ARRAY(arena, struct residency_chunk, count),
-		.order = ARENA_ARRAY(arena, uint32_t, count),
-		.key = ARENA_ARRAY(arena, uint64_t, count),
-		.listed = ARENA_ARRAY(arena, uint32_t, count),
-		.whole = vertices <= vertex_capacity && indices <= index_capacity,
-	};
-	if (!residency->chunks || !residency->order || !residency->key || !residency->listed ||
-		range_pool_init(&residency->vertices, arena, vertex_capacity, count) ||
-		range_pool_init(&residency->indices, arena, index_capacity, count))
-		return -ENOMEM;
-	for (uint32_t i = 0; i < count; i++) {
-		residency->order[i] = i;
-		residency->chunks[i].index_count = chunk_indices(&pkg->chunks[i]);
-	}
-	return 0;
 }
 
 /* Place along a Hilbert curve of order 16 (Hilbert 1891; the usual quadrant walk). */
@@ -149,6 +125,50 @@ static void sort_order(struct residency *residency)
 	}
 }
 
+/* Every chunk's place when all have one: neighbours in the city are neighbours in memory. */
+static void place_all(struct residency *residency)
+{
+	uint32_t vertex = 0, index = 0;
+	for (uint32_t i = 0; i < residency->pkg->chunk_count; i++)
+		residency->key[i] = curve_key(residency->pkg, &residency->pkg->chunks[i]);
+	sort_order(residency);
+	for (uint32_t i = 0; i < residency->pkg->chunk_count; i++) {
+		struct residency_chunk *chunk = &residency->chunks[residency->order[i]];
+		chunk->first_vertex = vertex;
+		chunk->first_index = index;
+		vertex += residency->pkg->chunks[residency->order[i]].vertex_count;
+		index += chunk->index_count;
+		residency->pending_bytes += chunk_bytes(&residency->pkg->chunks[residency->order[i]]);
+	}
+}
+
+int residency_init(struct residency *residency, struct arena *arena, const struct pkg *pkg, uint32_t vertex_capacity,
+	uint32_t index_capacity)
+{
+	uint64_t vertices, indices;
+	residency_totals(pkg, &vertices, &indices);
+	uint32_t count = pkg->chunk_count;
+	*residency = (struct residency){
+		.pkg = pkg,
+		.chunks = ARENA_ARRAY(arena, struct residency_chunk, count),
+		.order = ARENA_ARRAY(arena, uint32_t, count),
+		.key = ARENA_ARRAY(arena, uint64_t, count),
+		.listed = ARENA_ARRAY(arena, uint32_t, count),
+		.whole = vertices <= vertex_capacity && indices <= index_capacity,
+	};
+	if (!residency->chunks || !residency->order || !residency->key || !residency->listed ||
+		range_pool_init(&residency->vertices, arena, vertex_capacity, count) ||
+		range_pool_init(&residency->indices, arena, index_capacity, count))
+		return -ENOMEM;
+	for (uint32_t i = 0; i < count; i++) {
+		residency->order[i] = i;
+		residency->chunks[i].index_count = chunk_indices(&pkg->chunks[i]);
+	}
+	if (residency->whole)
+		place_all(residency);
+	return 0;
+}
+
 static void resort(struct residency *residency, const int64_t eye_mm[3])
 {
 	bool moved = !residency->sorted;
@@ -156,11 +176,11 @@ static void resort(struct residency *residency, const int64_t eye_mm[3])
 		int64_t d = eye_mm[axis] - residency->sorted_at_mm[axis];
 		moved = moved || d > RESORT_MM || d < -RESORT_MM;
 	}
-	if (!moved || (residency->whole && residency->sorted))
+	if (!moved)
 		return;
 	for (uint32_t i = 0; i < residency->pkg->chunk_count; i++) {
 		const struct pkg_chunk *chunk = &residency->pkg->chunks[residency->order[i]];
-		residency->key[i] = residency->whole ? curve_key(residency->pkg, chunk) : distance_key(chunk, eye_mm);
+		residency->key[i] = distance_key(chunk, eye_mm);
 	}
 	sort_order(residency);
 	residency->sorted = true;
@@ -222,8 +242,22 @@ static bool sound(struct residency *residency, uint32_t id)
 		return true;
 	residency->chunks[id].state = RESIDENCY_DAMAGED;
 	residency->damaged++;
+	if (residency->whole)
+		residency->pending_bytes -= chunk_bytes(&residency->pkg->chunks[id]);
 	log_warn("chunk %u is damaged and left out: %s", (unsigned)id, fault.text);
 	return false;
+}
+
+static bool load_placed(struct residency *residency, uint32_t id, residency_upload upload, void *context)
+{
+	if (!sound(residency, id))
+		return false;
+	residency->chunks[id].state = RESIDENCY_PRESENT;
+	residency->present++;
+	if (residency->whole)
+		residency->pending_bytes -= chunk_bytes(&residency->pkg->chunks[id]);
+	upload(context, id, &residency->chunks[id]);
+	return true;
 }
 
 /* One pool's part of a chunk. */
@@ -308,7 +342,7 @@ static bool empty_stretch(struct residency *residency, uint32_t units, bool of_i
 static bool place_by_moving(struct residency *residency, uint32_t at, uint64_t far_key)
 {
 	uint32_t id = residency->order[at];
-	if (residency->whole || !all_fit(residency, far_key))
+	if (!all_fit(residency, far_key))
 		return false;
 	for (int of_indices = 0; of_indices < 2; of_indices++) {
 		uint32_t units = of_indices ? residency->chunks[id].index_count : residency->pkg->chunks[id].vertex_count;
@@ -333,7 +367,6 @@ static void load_chunk(
 	struct residency *residency, uint32_t at, struct update *update, residency_upload upload, void *context)
 {
 	uint32_t id = residency->order[at];
-	struct residency_chunk *chunk = &residency->chunks[id];
 	uint64_t bytes = chunk_bytes(&residency->pkg->chunks[id]);
 	bool slice = !update->used_bytes || update->used_bytes + bytes <= update->slice_bytes;
 	bool placed = slice && !update->full && place_nearer(residency, at, update->far_key, &update->last);
@@ -344,25 +377,47 @@ static void load_chunk(
 		update->full = !placed;
 		residency->dropped += !placed;
 	}
-	if (!placed) {
+	if (!placed)
 		residency->pending_bytes += bytes;
-		return;
-	}
-	if (!sound(residency, id)) {
+	else if (!load_placed(residency, id, upload, context))
 		unplace(residency, id);
-		return;
+	else
+		update->used_bytes += bytes;
+}
+
+bool residency_complete(const struct residency *residency)
+{
+	return residency->present + residency->damaged == residency->pkg->chunk_count;
+}
+
+void residency_load_now(struct residency *residency, uint32_t chunk, residency_upload upload, void *context)
+{
+	assert(residency->whole);
+	if (residency->chunks[chunk].state == RESIDENCY_ABSENT)
+		load_placed(residency, chunk, upload, context);
+}
+
+/* What nobody has asked for yet, along the curve. */
+static void load_rest(struct residency *residency, uint64_t slice_bytes, residency_upload upload, void *context)
+{
+	uint64_t used_bytes = 0;
+	uint32_t count = residency->pkg->chunk_count;
+	for (; residency->rest_at < count && used_bytes < slice_bytes; residency->rest_at++) {
+		uint32_t id = residency->order[residency->rest_at];
+		if (residency->chunks[id].state == RESIDENCY_ABSENT && load_placed(residency, id, upload, context))
+			used_bytes += chunk_bytes(&residency->pkg->chunks[id]);
 	}
-	chunk->state = RESIDENCY_PRESENT;
-	residency->present++;
-	upload(context, id, chunk);
-	update->used_bytes += bytes;
 }
 
 void residency_update(struct residency *residency, const int64_t eye_mm[3], int64_t far_mm, uint64_t slice_bytes,
 	residency_upload upload, void *context)
 {
 	uint32_t count = residency->pkg->chunk_count;
-	if (!count || (residency->whole && residency->present + residency->damaged == count))
+	if (residency->whole) {
+		load_rest(residency, slice_bytes, upload, context);
+		return;
+	}
+	if (!count)
 		return;
 	resort(residency, eye_mm);
 	uint64_t far_m = (uint64_t)(far_mm / 1000);
@@ -371,7 +426,7 @@ void residency_update(struct residency *residency, const int64_t eye_mm[3], int6
 		update.moved = false;
 		update.slice_bytes += round ? slice_bytes : 0; /* what was moved must be back in the same frame */
 		residency->pending_bytes = 0;
-		for (uint32_t i = 0; i < count && (residency->whole || residency->key[i] <= update.far_key); i++)
+		for (uint32_t i = 0; i < count && residency->key[i] <= update.far_key; i++)
 			if (residency->chunks[residency->order[i]].state == RESIDENCY_ABSENT)
 				load_chunk(residency, i, &update, upload, context);
 	}

@@ -1,7 +1,8 @@
 /*
  * Which chunks of a package are in memory, and where: one fixed pool of vertices, one of indices, reserved once. When
- * the whole city fits, everything is loaded at start in the order of a Hilbert curve. Otherwise the nearest chunks are
- * loaded first, a slice of bytes a frame, and the farthest make place. No GL here: the caller uploads.
+ * the whole city fits, every chunk has its place along a Hilbert curve, and is loaded when it is first seen, or by and
+ * by. Otherwise the nearest chunks are loaded first, a slice of bytes a frame, and the farthest make place. No GL here:
+ * the caller uploads.
  */
 #ifndef BLVD_ASSETS_RESIDENCY_H
 #define BLVD_ASSETS_RESIDENCY_H
@@ -33,7 +34,8 @@ struct residency {
 	uint64_t *key;                  /* of order[i] */
 	uint32_t *listed;               /* of use within an update */
 	struct range_pool vertices, indices;
-	bool whole; /* everything fits */
+	bool whole;       /* everything fits */
+	uint32_t rest_at; /* whole: order[] before this has been looked at */
 	bool sorted;
 	int64_t sorted_at_mm[3];
 	uint32_t present, damaged;
@@ -60,5 +62,11 @@ int residency_init(struct residency *residency, struct arena *arena, const struc
  * `far_mm`; evicts what is farther than that when the pools are full. */
 void residency_update(struct residency *residency, const int64_t eye_mm[3], int64_t far_mm, uint64_t slice_bytes,
 	residency_upload upload, void *context);
+
+/* When the whole city fits: loads this chunk now, unless it is there or damaged. */
+void residency_load_now(struct residency *residency, uint32_t chunk, residency_upload upload, void *context);
+
+/* Is all of the city there? */
+bool residency_complete(const struct residency *residency);
 
 #endif

@@ -296,6 +296,12 @@ void view_box(
 	*max = view_relative(view, high);
 }
 
+double view_box_distance_m(struct vec3 min, struct vec3 max)
+{
+	double x = fmax(fmax(min.x, -max.x), 0.0), y = fmax(fmax(min.y, -max.y), 0.0), z = fmax(fmax(min.z, -max.z), 0.0);
+	return sqrt(x * x + y * y + z * z);
+}
+
 void view_box_depth(const struct view *view, struct vec3 min, struct vec3 max, float *nearest, float *farthest)
 {
 	struct vec3 f = view->forward;

@@ -79,6 +79,8 @@ void view_box(
 	const struct view *view, const int32_t min_mm[3], const int32_t max_mm[3], struct vec3 *min, struct vec3 *max);
 
 /* Distance along the view direction to the box's nearest and farthest corner. */
+/* From the eye to an eye-relative box, metres. */
+double view_box_distance_m(struct vec3 min, struct vec3 max);
 void view_box_depth(const struct view *view, struct vec3 min, struct vec3 max, float *nearest, float *farthest);
 
 #endif

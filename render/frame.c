@@ -185,9 +185,6 @@ static int make_scene(struct renderer *renderer, struct arena *arena, const stru
 	renderer->obstacles = (struct obstacles){ .pkg = renderer->pkg, .residency = &renderer->mesh.residency };
 	camera_init(&renderer->camera, renderer->config.fov_deg * (BLVD_PI / 180.0));
 	renderer->camera.pose = opening_pose(renderer->pkg);
-	/* when the whole city fits, the eye does not matter */
-	if (renderer->mesh.residency.whole)
-		near_mesh_load(&renderer->mesh, (const int64_t[3]){ 0 }, renderer->config.far_m, UINT64_MAX);
 	return 0;
 }
 
@@ -313,7 +310,11 @@ static void load(struct renderer *renderer, const struct nav_view *nav, int64_t 
 	if (split_m > 0.0)
 		camera_split(&renderer->view, split_m, far_m);
 	double reach_m = repr->ops->reach_m ? repr->ops->reach_m(repr) : far_m;
-	near_mesh_load(&renderer->mesh, eye_mm, reach_m, jumped ? UINT64_MAX : renderer->config.upload_slice_bytes);
+	near_mesh_load_seen(&renderer->mesh, &renderer->view, reach_m);
+	/* the rest of a city that has room for all of it can wait; what belongs around a place cannot */
+	bool all = jumped && !renderer->mesh.residency.whole, first = !renderer->primed;
+	if (!first || all)
+		near_mesh_load(&renderer->mesh, eye_mm, reach_m, all ? UINT64_MAX : renderer->config.upload_slice_bytes);
 	memcpy(renderer->loaded_mm, eye_mm, sizeof(renderer->loaded_mm));
 	renderer->primed = true;
 }

@@ -8,6 +8,7 @@
 #include "render/surfaces.h"
 
 #define GAP_MIN_INDICES 192 /* 64 triangles: about what a draw costs, on a CPU as on a GPU */
+#define CLOSE_M 200.0       /* around the eye: cameras keep out of walls there, what hides the route fades */
 #define ROOM_TO_CUT 2048    /* draws left in the list, below which chunks are drawn whole */
 
 static const struct gfx_attribute vertex_layout[] = {
@@ -137,7 +138,7 @@ static int make_runs(struct near_mesh *mesh, struct arena *arena)
 int near_mesh_init(struct near_mesh *mesh, struct arena *arena, struct gfx *gfx, const struct pkg *pkg,
 	uint64_t budget_bytes, double reach_m)
 {
-	*mesh = (struct near_mesh){ .gfx = gfx, .pkg = pkg };
+	*mesh = (struct near_mesh){ .gfx = gfx, .pkg = pkg, .close_m = reach_m > CLOSE_M ? reach_m : CLOSE_M };
 	int err = make_pipelines(mesh);
 	if (!err)
 		err = surfaces_make(gfx, pkg, &mesh->materials, &mesh->textures, &mesh->light_map);
@@ -250,6 +251,21 @@ static void upload(void *context, uint32_t id, const struct residency_chunk *pla
 void near_mesh_load(struct near_mesh *mesh, const int64_t eye_mm[3], double far_m, uint64_t slice_bytes)
 {
 	residency_update(&mesh->residency, eye_mm, (int64_t)(far_m * 1000.0), slice_bytes, upload, mesh);
+}
+
+void near_mesh_load_seen(struct near_mesh *mesh, const struct view *view, double far_m)
+{
+	if (!mesh->residency.whole || residency_complete(&mesh->residency))
+		return;
+	for (uint32_t i = 0; i < mesh->pkg->chunk_count; i++) {
+		struct vec3 min, max;
+		if (mesh->residency.chunks[i].state != RESIDENCY_ABSENT)
+			continue;
+		view_box(view, mesh->pkg->chunks[i].min_mm, mesh->pkg->chunks[i].max_mm, &min, &max);
+		double away_m = view_box_distance_m(min, max);
+		if (away_m <= mesh->close_m || (away_m <= far_m && view_sees_box(view, min, max)))
+			residency_load_now(&mesh->residency, i, upload, mesh);
+	}
 }
 
 bool near_mesh_has(const struct near_mesh *mesh, uint32_t chunk)

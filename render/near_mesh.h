@@ -37,6 +37,7 @@ struct near_mesh {
 	struct gfx *gfx;
 	const struct pkg *pkg;
 	struct residency residency;
+	double close_m; /* loaded on all sides of the eye, seen or not */
 	gfx_buffer vertices, indices;
 	gfx_buffer materials;
 	gfx_texture textures, light_map;
@@ -54,7 +55,11 @@ int near_mesh_init(struct near_mesh *mesh, struct arena *arena, struct gfx *gfx,
 	uint64_t budget_bytes, double reach_m);
 void near_mesh_finish(struct near_mesh *mesh);
 
+/* Loads what is within `far_m` of the eye, nearest first, as far as the slice goes; when the whole city has room, what
+ * nobody has seen yet, wherever it is. */
 void near_mesh_load(struct near_mesh *mesh, const int64_t eye_mm[3], double far_m, uint64_t slice_bytes);
+/* When the whole city has room: loads at once what the view sees up to `far_m`, and what is close on all sides. */
+void near_mesh_load_seen(struct near_mesh *mesh, const struct view *view, double far_m);
 
 /* A resident chunk, all passes, in one slice; what fades is cut out of its runs and drawn apart. `fade` may be NULL.
  * With a view, longer stretches of objects outside it or its slice are left out; NULL draws the chunk whole. */

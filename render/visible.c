@@ -11,13 +11,6 @@ int visible_init(struct visible_set *visible, struct arena *arena, const struct 
 	return visible->items ? 0 : -ENOMEM;
 }
 
-/* From the eye to the box. */
-static double distance_m(struct vec3 min, struct vec3 max)
-{
-	double x = fmax(fmax(min.x, -max.x), 0.0), y = fmax(fmax(min.y, -max.y), 0.0), z = fmax(fmax(min.z, -max.z), 0.0);
-	return sqrt(x * x + y * y + z * z);
-}
-
 void visible_find(struct visible_set *visible, const struct near_mesh *mesh, const struct view *view, double reach_m)
 {
 	const struct pkg *pkg = mesh->pkg;
@@ -25,7 +18,7 @@ void visible_find(struct visible_set *visible, const struct near_mesh *mesh, con
 	for (uint32_t i = 0; i < pkg->chunk_count; i++) {
 		struct vec3 min, max;
 		view_box(view, pkg->chunks[i].min_mm, pkg->chunks[i].max_mm, &min, &max);
-		if (!view_sees_box(view, min, max) || distance_m(min, max) > reach_m)
+		if (!view_sees_box(view, min, max) || view_box_distance_m(min, max) > reach_m)
 			continue;
 		if (!near_mesh_has(mesh, i)) {
 			visible->missing++;

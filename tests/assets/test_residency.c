@@ -157,6 +157,29 @@ static void a_city_that_fits_is_loaded_at_once(void **state)
 	free(city);
 }
 
+static void what_is_seen_first_takes_its_place_on_the_curve(void **state)
+{
+	(void)state;
+	struct city *city = make_city();
+	struct arena arena = fresh_arena();
+	struct residency residency;
+	residency_init(&residency, &arena, &city->pkg, CHUNKS * CHUNK_VERTICES, CHUNKS * CHUNK_INDICES);
+	const struct residency_chunk seen = residency.chunks[7];
+	for (int i = 0; i < 2; i++)
+		residency_load_now(&residency, 7, count_upload, city);
+	assert_int_equal(residency.present, 1);
+	assert_false(residency_complete(&residency));
+	for (int frame = 0; frame < CHUNKS && !residency_complete(&residency); frame++)
+		residency_update(&residency, (const int64_t[3]){ 0 }, 1000000, 3 * CHUNK_BYTES, count_upload, city);
+	assert_true(residency_complete(&residency));
+	assert_int_equal(city->uploads, CHUNKS);
+	assert_int_equal(residency.pending_bytes, 0);
+	assert_int_equal(residency.chunks[7].first_vertex, seen.first_vertex);
+	for (uint32_t i = 1; i < CHUNKS; i++) /* nobody lies on anybody */
+		assert_int_equal(residency.chunks[residency.order[i]].first_vertex, i * CHUNK_VERTICES);
+	free(city);
+}
+
 static void a_damaged_chunk_is_left_out_and_counted(void **state)
 {
 	(void)state;
@@ -170,7 +193,7 @@ static void a_damaged_chunk_is_left_out_and_counted(void **state)
 	assert_int_equal(residency.damaged, 1);
 	assert_int_equal(residency.present, CHUNKS - 1);
 	assert_int_equal(residency.chunks[7].state, RESIDENCY_DAMAGED);
-	assert_int_equal(residency.vertices.free_units, CHUNK_VERTICES);
+	assert_int_equal(residency.pending_bytes, 0);
 	free(city);
 }
 
@@ -316,6 +339,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(ranges_never_overlap_and_holes_are_found),
 		cmocka_unit_test(a_city_that_fits_is_loaded_at_once),
+		cmocka_unit_test(what_is_seen_first_takes_its_place_on_the_curve),
 		cmocka_unit_test(a_damaged_chunk_is_left_out_and_counted),
 		cmocka_unit_test(a_small_pool_holds_what_is_near_and_never_grows),
 		cmocka_unit_test(standing_still_loads_nothing_more),

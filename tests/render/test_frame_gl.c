@@ -124,7 +124,8 @@ static void a_street_has_sky_above_and_road_below(void **state)
 	const uint8_t *sky = px_a + (size_t)(5 * W + W / 2) * 4, *road = px_a + (size_t)((H - 5) * W + W / 2 - 40) * 4;
 	assert_true(sky[2] > sky[0] && sky[2] > 120);
 	assert_true(abs(road[0] - road[2]) < 40 && road[0] < 150);
-	assert_int_equal(stats.chunks_resident, 144);
+	assert_int_equal(stats.chunks_wanted_missing, 0); /* what is behind the eye may come later */
+	assert_in_range(stats.chunks_resident, 100, 144);
 	assert_true(stats.triangles > 300 && stats.draws > 40);
 }
 
