@@ -33,6 +33,7 @@
 #define ARENA_BYTES_AN_EDGE 64  /* labels */
 #define SPLIT_M 150.0
 #define JUMP_MM 200000
+#define SEEN_MIN_M 500.0  /* what stands in for a cell is geometry up to here */
 #define SEE_AHEAD_M 180.0 /* of the route, past buildings */
 #define SEE_BEHIND_M 30.0 /* the next manoeuvre */
 /* 21 June 2024, 08:30 UTC less the longitude: late morning, long light from the south-east */
@@ -310,7 +311,7 @@ static void load(struct renderer *renderer, const struct nav_view *nav, int64_t 
 	if (split_m > 0.0)
 		camera_split(&renderer->view, split_m, far_m);
 	double reach_m = repr->ops->reach_m ? repr->ops->reach_m(repr) : far_m;
-	near_mesh_load_seen(&renderer->mesh, &renderer->view, reach_m);
+	near_mesh_load_seen(&renderer->mesh, &renderer->view, fmax(reach_m * 2.0, SEEN_MIN_M));
 	/* the rest of a city that has room for all of it can wait; what belongs around a place cannot */
 	bool all = jumped && !renderer->mesh.residency.whole, first = !renderer->primed;
 	if (!first || all)
