@@ -65,7 +65,8 @@ void replay_close(struct replay *replay)
 	free(replay);
 }
 
-bool replay_next(struct replay *replay, struct replay_frame *out)
+/* False at the end of the log. */
+static bool advance(struct replay *replay, struct replay_frame *out)
 {
 	if (replay->frames && inputs_ended(&replay->inputs))
 		return false;
@@ -79,5 +80,14 @@ bool replay_next(struct replay *replay, struct replay_frame *out)
 		.wall_ns = inputs_wall_ns(&replay->inputs, now_ns),
 		.ambient = out->nav.ambient,
 	};
+	return true;
+}
+
+bool replay_next(struct replay *replay, struct replay_frame *out)
+{
+	do {
+		if (!advance(replay, out))
+			return false;
+	} while (!out->nav.located);
 	return true;
 }

@@ -1,6 +1,7 @@
 /*
  * A recorded drive as frames: what the runtime would hand its renderer at a fixed rate, and the driver's eye, without
- * drawing anything. The same log, package and rate give the same frames, as `boulevard --replay --headless` does.
+ * drawing anything. The same log, package and rate give the same frames, as `boulevard --replay --headless` does. It
+ * begins where the car's position is known.
  */
 #ifndef BLVD_TOOLS_MEASURE_REPLAY_H
 #define BLVD_TOOLS_MEASURE_REPLAY_H
@@ -17,7 +18,7 @@ struct replay_config {
 };
 
 struct replay_frame {
-	uint32_t number; /* from 0 */
+	uint32_t number; /* from 0 at the start of the log: the first ones may be left out */
 	struct nav_view nav;
 	struct camera_pose pose;
 	struct renderer_time time;
@@ -30,7 +31,7 @@ int replay_open(struct replay **out, const struct pkg *pkg, const struct replay_
 /* NULL does nothing. */
 void replay_close(struct replay *replay);
 
-/* The next frame; false at the end of the log. */
+/* The next frame with a position; false at the end of the log. */
 bool replay_next(struct replay *replay, struct replay_frame *out);
 
 #endif

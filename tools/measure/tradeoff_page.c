@@ -261,17 +261,25 @@ static void write_advice(const struct tradeoff *tradeoff, FILE *to)
 	fputs("</table>\n", to);
 }
 
-static void write_picture(
-	FILE *to, const char *folder, const struct tradeoff_run *run, const char *name, uint32_t frame, bool difference)
+/* What is kept of a frame: file names end so, captions go on so. */
+static const struct kept_picture {
+	const char *suffix, *words;
+} kept_pictures[] = {
+	{ "", "" },
+	{ "-difference", ": difference from full, 8 times" },
+	{ "-displaced", ": far things within 1 px of their place green, farther off yellow, not found red" },
+};
+
+static void write_picture(FILE *to, const char *folder, const struct tradeoff_run *run, const char *name,
+	uint32_t frame, const struct kept_picture *kept)
 {
 	char file[PATH_MAX], path[PATH_MAX];
-	snprintf(
-		file, sizeof(file), "tau-%g/pictures/%s-%06u%s.png", run->tau_px, name, frame, difference ? "-difference" : "");
+	snprintf(file, sizeof(file), "tau-%g/pictures/%s-%06u%s.png", run->tau_px, name, frame, kept->suffix);
 	if (snprintf(path, sizeof(path), "%s/%s", folder, file) >= (int)sizeof(path) || access(path, R_OK))
 		return;
 	fprintf(to,
 		"<figure><img loading=\"lazy\" src=\"%s\" alt=\"\"><figcaption>%s%s, tau %g, frame %u</figcaption></figure>\n",
-		file, name, difference ? ": difference from full, 8 times" : "", run->tau_px, frame);
+		file, name, kept->words, run->tau_px, frame);
 }
 
 static void write_pictures(const struct tradeoff *tradeoff, FILE *to, const char *folder)
@@ -285,8 +293,8 @@ static void write_pictures(const struct tradeoff *tradeoff, FILE *to, const char
 		for (size_t r = 0; r < tradeoff->runs.count; r++) {
 			const struct tradeoff_run *run = &tradeoff->runs.items[r];
 			for (uint32_t k = r ? 1 : 0; k < run->trial.count; k++) {
-				write_picture(to, folder, run, run->trial.entrants[k].name, frame, false);
-				write_picture(to, folder, run, run->trial.entrants[k].name, frame, true);
+				for (size_t p = 0; p < sizeof(kept_pictures) / sizeof(kept_pictures[0]); p++)
+					write_picture(to, folder, run, run->trial.entrants[k].name, frame, &kept_pictures[p]);
 			}
 		}
 	}

@@ -332,8 +332,13 @@ static int compare_all(struct trial *trial, uint32_t number, struct trial_row *r
 			status = trial_write_pictures(folder, number, &trial->entrants[0], &trial->entrants[i]);
 		if (!status)
 			status = entrant_read_truth(&trial->entrants[i]);
+		char map[PATH_MAX];
+		if (snprintf(map, sizeof(map), "%s/%s-%06u-displaced.png", folder, trial->entrants[i].config.name, number) >=
+			(int)sizeof(map))
+			return -ENAMETOOLONG;
 		if (!status && i)
-			trial_compare(&trial->pkg, frame, &trial->entrants[0], &trial->entrants[i], &rows[i]);
+			status = trial_compare(&trial->pkg, frame, &trial->entrants[0], &trial->entrants[i], &rows[i],
+				is_pictured(trial, number) ? map : NULL);
 	}
 	return status;
 }

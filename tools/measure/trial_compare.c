@@ -62,8 +62,27 @@ static struct far_limit limit_of(const struct pkg *pkg, const struct trial_row *
 	};
 }
 
-static void compare_truth(const struct pkg *pkg, const struct camera_pose *pose, const struct entrant *full,
-	const struct entrant *shown, struct trial_row *row)
+static int write_map(
+	const struct truth_image *reference, const float *map, const struct far_limit *limit, const char *path)
+{
+	size_t pixels = (size_t)reference->width * reference->height;
+	struct image out = {
+		.width = reference->width, .height = reference->height, .rgb = array_grow(NULL, &(size_t){ 0 }, pixels, 3)
+	};
+	for (size_t i = 0; i < pixels; i++) {
+		bool something = map[i] >= 0.0f, far = something && far_limit_beyond(limit, &reference->pixels[i]);
+		uint8_t bright = far ? 255 : 80;
+		out.rgb[3 * i] = something && map[i] > 1.0f ? bright : 0;
+		out.rgb[3 * i + 1] = something && isfinite(map[i]) ? bright : 0;
+		out.rgb[3 * i + 2] = something ? 0 : 50;
+	}
+	int status = image_write_png(&out, path);
+	image_finish(&out);
+	return status;
+}
+
+static int compare_truth(const struct pkg *pkg, const struct camera_pose *pose, const struct entrant *full,
+	const struct entrant *shown, struct trial_row *row, const char *picture)
 {
 	struct view view;
 	camera_view(pose, full->config.width, full->config.height, 1.0, 2.0, &view); /* the slices do not matter here */
@@ -78,15 +97,17 @@ static void compare_truth(const struct pkg *pkg, const struct camera_pose *pose,
 	row->drawn = holes.drawn;
 	row->uncovered = holes.uncovered;
 	row->cracks = holes.cracks;
+	int status = picture ? write_map(&reference, map, &limit, picture) : 0;
 	array_free(map);
+	return status;
 }
 
-void trial_compare(const struct pkg *pkg, const struct replay_frame *frame, const struct entrant *full,
-	const struct entrant *shown, struct trial_row *row)
+int trial_compare(const struct pkg *pkg, const struct replay_frame *frame, const struct entrant *full,
+	const struct entrant *shown, struct trial_row *row, const char *map)
 {
 	row->compared = true;
 	compare_pictures(full, shown, row);
-	compare_truth(pkg, &frame->pose, full, shown, row);
+	return compare_truth(pkg, &frame->pose, full, shown, row, map);
 }
 
 int trial_write_pictures(const char *folder, uint32_t number, const struct entrant *full, const struct entrant *shown)
