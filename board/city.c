@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "board/menu.h"
 #include "platform/base/log.h"
 #include "platform/display/display.h"
 
@@ -53,11 +54,8 @@ static int choose_view(struct city *city)
 static int open_renderer(struct city *city)
 {
 	const struct options *o = city->config.options;
-	static const enum wording_units units[] = {
-		[PROFILE_UNITS_AUTO] = UNITS_AUTO,
-		[PROFILE_UNITS_METRIC] = UNITS_METRIC,
-		[PROFILE_UNITS_IMPERIAL] = UNITS_MILES_FEET,
-	};
+	uint32_t word_count;
+	const char *const *words = menu_words(&word_count);
 	struct renderer_config config = {
 		.width = o->width,
 		.height = o->height,
@@ -68,7 +66,8 @@ static int open_renderer(struct city *city)
 		.screen = city->config.screen,
 		.overlay = true,
 		.overlay_config = {
-			.units = units[city->config.profile->units],
+			.menu_words = words,
+			.menu_word_count = word_count,
 			.zone_given = true,
 			.utc_offset_minutes = (int32_t)city->pkg.meta->utc_offset_minutes,
 		},

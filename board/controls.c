@@ -44,6 +44,9 @@ enum action controls_action_of_key(enum display_key key)
 		[DISPLAY_KEY_CAMERA] = ACTION_VIEW,
 		[DISPLAY_KEY_NIGHT] = ACTION_LIGHT,
 		[DISPLAY_KEY_PAUSE] = ACTION_PAUSE,
+		[DISPLAY_KEY_PUSH] = ACTION_PUSH,
+		[DISPLAY_KEY_BACK] = ACTION_BACK,
+		[DISPLAY_KEY_ESCAPE] = ACTION_ESCAPE,
 		[DISPLAY_KEY_QUIT] = ACTION_QUIT,
 	};
 	return (size_t)key < sizeof(actions) / sizeof(*actions) ? actions[key] : ACTION_NONE;

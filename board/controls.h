@@ -23,8 +23,9 @@ enum action {
 	ACTION_TURN_LEFT,
 	ACTION_UP, /* arrow keys: closer, or up in a menu */
 	ACTION_DOWN,
-	ACTION_PUSH, /* opens the menu, selects */
-	ACTION_BACK, /* a button of its own, or a long push of the knob */
+	ACTION_PUSH,   /* opens the menu, selects */
+	ACTION_BACK,   /* a button of its own, or a long push of the knob */
+	ACTION_ESCAPE, /* a keyboard's: closes the menu, else ends the program */
 	ACTION_ZOOM_IN,
 	ACTION_ZOOM_OUT,
 	ACTION_VIEW,  /* the next camera */

@@ -123,6 +123,7 @@ static void take_frame(struct inputs *inputs, struct can_frame_rx *frame)
 	vehicle_feed(&inputs->vehicle, frame);
 	if (!inputs->destination.count_signal || !destination_feed(&inputs->destination, frame))
 		return;
+	inputs->destinations++;
 	if (inputs->nav.pkg)
 		set_stops(inputs);
 	else

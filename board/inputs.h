@@ -21,6 +21,7 @@ struct inputs {
 	struct vehicle vehicle;
 	struct vehicle_state state; /* at now_ns */
 	struct destination destination;
+	uint32_t destinations;  /* that the car has asked for, or taken back */
 	bool destination_waits; /* heard before there was a map */
 	struct nav nav;         /* nav.pkg NULL: no map yet */
 	struct obd obd;

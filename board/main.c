@@ -3,6 +3,7 @@
  * the first frame the loop neither allocates nor opens anything, except to write what was asked for (frames, stats).
  */
 #include <errno.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@
 #include "board/city.h"
 #include "board/controls.h"
 #include "board/inputs.h"
+#include "board/menu.h"
 #include "board/options.h"
 #include "board/panel.h"
 #include "board/png_write.h"
@@ -31,6 +33,7 @@
 #define CPU_SHARE_MIN ((uint64_t)3 << 20)
 #define CPU_SHARE_MAX ((uint64_t)96 << 20)
 #define DRIVER_HEAP_BYTES ((size_t)384 << 20) /* of address space */
+#define MOVING_MPS 1.4
 #define LOADING_STEP_NS (2 * NS_PER_MS)
 #define WHILE_LOADING_NS (15 * NS_PER_MS) /* from one look at the inputs to the next */
 #define NIGHT_AMBIENT 0.3
@@ -45,6 +48,7 @@ struct machine {
 	struct controls controls;
 	struct settings settings;
 	struct standby standby;
+	struct menu menu;
 	struct display display;
 	struct panel_pace pace;
 	struct screen screen;
@@ -127,6 +131,7 @@ static int load_profile(struct machine *m)
 	if (o->samples < 0)
 		o->samples = (int)m->profile.samples;
 	settings_init(&m->settings, &m->profile, o);
+	menu_init(&m->menu, &m->settings);
 	return 0;
 }
 
@@ -264,7 +269,9 @@ static void write_stats(struct machine *m)
 
 static void act(struct machine *m, enum action action)
 {
-	if (action == ACTION_QUIT)
+	if (!m->reverse.engaged && menu_act(&m->menu, action, m->controls.now_ns))
+		return;
+	if (action == ACTION_QUIT || action == ACTION_ESCAPE)
 		m->quit = true;
 	else if (action == ACTION_PAUSE)
 		m->paused = m->options.replay && !m->paused;
@@ -330,19 +337,22 @@ static void count_frame(struct machine *m)
 static bool is_night(const struct machine *m)
 {
 	double ambient = m->inputs.state.ambient;
-	return m->settings.light == LIGHT_NIGHT ||
-		   (m->settings.light == LIGHT_AUTO &&
-			   (m->controls.state.night.on || (ambient >= 0.0 && ambient < NIGHT_AMBIENT)));
+	return settings_night(&m->settings, &m->controls.state) ||
+		   (m->settings.light == LIGHT_AUTO && ambient >= 0.0 && ambient < NIGHT_AMBIENT);
 }
 
 static void draw_map(struct machine *m, int64_t now_ns, const struct nav_view *view)
 {
+	struct overlay_driver driver = settings_driver(&m->settings);
+	driver.menu = menu_step(&m->menu, fabs(view->speed_mps) > MOVING_MPS, m->controls.now_ns);
+	driver.devices = controls_fault(&m->controls);
 	struct renderer_time time = {
 		.time_ns = now_ns,
 		.wall_ns = inputs_wall_ns(&m->inputs, now_ns),
-		.force_night =
-			m->settings.light == LIGHT_NIGHT || (m->settings.light == LIGHT_AUTO && m->controls.state.night.on),
+		.force_night = settings_night(&m->settings, &m->controls.state),
+		.force_day = m->settings.light == LIGHT_DAY,
 		.ambient = m->settings.light == LIGHT_DAY ? 1.0 : view->ambient,
+		.driver = &driver,
 	};
 	m->loading = !m->city.drawn;
 	renderer_draw(m->city.renderer, view, &time);
@@ -364,6 +374,7 @@ static bool draw(struct machine *m, int64_t now_ns, const struct nav_view *view)
 	};
 	m->began_ns = clock_now_ns();
 	if (reverse_update(&m->reverse, &input)) {
+		menu_close(&m->menu);
 		reverse_draw(&m->reverse, &input);
 		return true;
 	}
@@ -465,6 +476,8 @@ static int step(struct machine *m, int64_t now_ns)
 	static struct nav_view view;
 	handle_controls(m, now_ns);
 	inputs_advance(&m->inputs, now_ns, &view);
+	m->menu.has_route = view.routed;
+	settings_filter(&m->settings, m->inputs.destinations, &view);
 	enum standby_order order = standby_advance(&m->standby, &m->inputs, &m->controls.state.ignition, now_ns);
 	m->quit |= order == STANDBY_END;
 	if (m->display.hidden)

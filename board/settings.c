@@ -3,7 +3,6 @@
 #include <math.h>
 
 #define KEY_ZOOM 1.25
-#define DETENT_ZOOM 1.12 /* twenty detents a turn: from street to district */
 
 void settings_init(struct settings *settings, const struct profile *profile, const struct options *options)
 {
@@ -39,17 +38,42 @@ void settings_apply(const struct settings *settings, struct renderer *renderer)
 
 void settings_zoom(struct settings *settings, double factor)
 {
-	settings->zoom = fmin(4.0, fmax(0.25, settings->zoom * factor));
+	settings->zoom = fmin(SETTINGS_ZOOM_MAX, fmax(SETTINGS_ZOOM_MIN, settings->zoom * factor));
+}
+
+struct overlay_driver settings_driver(const struct settings *settings)
+{
+	return (struct overlay_driver){
+		.units = settings->units,
+		.no_names = !settings->names,
+		.light_chosen = settings->light != LIGHT_AUTO,
+	};
+}
+
+bool settings_night(const struct settings *settings, const struct controls_state *car)
+{
+	return settings->light == LIGHT_NIGHT || (settings->light == LIGHT_AUTO && car->night.on);
+}
+
+void settings_filter(struct settings *settings, uint32_t orders, struct nav_view *view)
+{
+	settings->route = settings->route || orders != settings->orders;
+	settings->orders = orders;
+	if (settings->route)
+		return;
+	view->routed = view->off_route = false;
+	view->route_count = 0;
+	view->next.manoeuvre = view->after_next.manoeuvre = NAV_MANOEUVRE_NONE;
 }
 
 bool settings_act(struct settings *settings, enum action action)
 {
 	switch (action) {
 	case ACTION_TURN_RIGHT:
-		settings_zoom(settings, DETENT_ZOOM);
+		settings_zoom(settings, SETTINGS_DETENT_ZOOM);
 		return true;
 	case ACTION_TURN_LEFT:
-		settings_zoom(settings, 1.0 / DETENT_ZOOM);
+		settings_zoom(settings, 1.0 / SETTINGS_DETENT_ZOOM);
 		return true;
 	case ACTION_UP:
 	case ACTION_ZOOM_IN:

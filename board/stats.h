@@ -46,12 +46,12 @@ struct stats {
 	uint32_t width, height;
 	uint32_t samples;
 	double tau_px;
-	uint64_t cells_entered;    /* stretches of the far field; directed edges without one */
-	uint64_t late_frames;      /* took longer than a frame may */
-	uint64_t fallback_frames;  /* something else stood in for what belongs to the place */
-	uint64_t late_cell_frames; /* because it was not loaded in time */
+	uint64_t cells_entered;                 /* stretches of the far field; directed edges without one */
+	uint64_t late_frames;                   /* took longer than a frame may */
+	uint64_t fallback_frames;               /* something else stood in for what belongs to the place */
+	uint64_t late_cell_frames;              /* because it was not loaded in time */
 	uint64_t damaged_chunks, damaged_cells; /* found so far; the picture goes without them */
-	double far_error_px; /* largest bound of a far point's displacement */
+	double far_error_px;                    /* largest bound of a far point's displacement */
 	uint64_t budget_bytes, cpu_high_water_bytes, gpu_high_water_bytes, allocations_after_start;
 	double first_frame_ms;
 	uint64_t can_frames_in, can_frames_bad;

@@ -32,6 +32,7 @@
 #define ARENA_BYTES_A_CHUNK 128 /* residency, pools of ranges */
 #define ARENA_BYTES_AN_EDGE 64  /* labels */
 #define SPLIT_M 150.0
+#define LEAST_DAY_RAD 0.35 /* the sun's height in the look of the day */
 #define JUMP_MM 200000
 #define SEEN_MIN_M 500.0  /* what stands in for a cell is geometry up to here */
 #define SEE_AHEAD_M 180.0 /* of the route, past buildings */
@@ -261,6 +262,8 @@ static void update_light(struct renderer *renderer, const struct renderer_time *
 	if (!wall_ns)
 		wall_ns = (DEFAULT_WALL_S - llrint(meta->origin_lon_deg * 240.0)) * NS_PER_S;
 	struct sun_position sun = sun_at(wall_ns, meta->origin_lat_deg, meta->origin_lon_deg);
+	if (time->force_day)
+		sun.elevation_rad = fmax(sun.elevation_rad, LEAST_DAY_RAD);
 	struct light_state *light = &renderer->light;
 	sun_light(&sun, local_hour(renderer->pkg, wall_ns), time->ambient, time->force_night, light);
 	renderer->mesh.lit = light->lamps > 0.0f || light->windows_lit > 0.0f || light->shops_lit > 0.0f;
@@ -330,6 +333,7 @@ static void update_overlay(struct renderer *renderer, const struct nav_view *nav
 		.daylight = 1.0f - renderer->light.night,
 		.map_damaged = renderer->mesh.residency.damaged > 0,
 		.message = time->message,
+		.driver = time->driver,
 	};
 	overlay_update(&renderer->overlay, &input);
 }

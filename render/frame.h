@@ -73,11 +73,13 @@ void renderer_finish(struct renderer *renderer);
 
 /* What the light is like. */
 struct renderer_time {
-	int64_t time_ns;     /* simulated or monotonic: drives the camera's springs and water */
-	int64_t wall_ns;     /* UTC since 1970: where the sun stands; 0: late morning in June */
-	bool force_night;    /* the driver asked for the night look */
-	double ambient;      /* sensor, 0 dark to 1; negative: unknown, the sun alone decides */
-	const char *message; /* shown to the driver, NULL none */
+	int64_t time_ns;                     /* simulated or monotonic: drives the camera's springs and water */
+	int64_t wall_ns;                     /* UTC since 1970: where the sun stands; 0: late morning in June */
+	bool force_night;                    /* the driver asked for the night look */
+	bool force_day;                      /* or for that of the day */
+	double ambient;                      /* sensor, 0 dark to 1; negative: unknown, the sun alone decides */
+	const char *message;                 /* shown to the driver, NULL none */
+	const struct overlay_driver *driver; /* NULL: as configured, no menu */
 };
 void renderer_draw(struct renderer *renderer, const struct nav_view *nav, const struct renderer_time *time);
 

@@ -6,6 +6,7 @@
 #ifndef BLVD_RENDER_HUD_H
 #define BLVD_RENDER_HUD_H
 
+#include "render/menu.h"
 #include "render/palette.h"
 #include "render/text.h"
 #include "render/wording.h"
@@ -34,6 +35,8 @@ struct hud {
 	struct box next;   /* the manoeuvre card, or empty at the margin */
 	struct box corner; /* the compass */
 	struct box speed, trip;
+	bool trip_covered;   /* by the menu, where the screen has no room for both */
+	const char *devices; /* what is wrong with controls and lines, NULL nothing; nav tells of the car's signals */
 	struct box taken[HUD_BOXES_MAX];
 	uint32_t taken_count;
 };
@@ -52,9 +55,10 @@ void hud_credit(struct hud *hud);
 void hud_next(struct hud *hud);                       /* hud_next.c: next manoeuvre and the one after it */
 void hud_compass(struct hud *hud, float heading_rad); /* of the picture's upward direction */
 void hud_speed(struct hud *hud);                      /* hud_speed.c: speed and limit */
-void hud_trip(struct hud *hud);                       /* hud_trip.c: arrival, remaining way */
-void hud_street(struct hud *hud);                     /* hud_trip.c: the street being driven */
-void hud_status(struct hud *hud);                     /* hud_status.c: inputs */
-void hud_message(struct hud *hud, const char *text);  /* NULL or "": none */
+void hud_menu(struct hud *hud, const struct menu_words *words, const struct menu_view *menu); /* menu.c */
+void hud_trip(struct hud *hud);                      /* hud_trip.c: arrival, remaining way */
+void hud_street(struct hud *hud);                    /* hud_trip.c: the street being driven */
+void hud_status(struct hud *hud);                    /* hud_status.c: inputs */
+void hud_message(struct hud *hud, const char *text); /* NULL or "": none */
 
 #endif

@@ -33,9 +33,10 @@ static float pill_width(const struct hud *hud, const struct text_line *line)
 void hud_status(struct hud *hud)
 {
 	char words[WORDING_MAX];
-	if (!wording_inputs(words, hud->nav))
+	bool of_car = wording_inputs(words, hud->nav);
+	if (!of_car && !hud->devices)
 		return;
-	struct text_line line = text_line_utf8(words);
+	struct text_line line = text_line_utf8(of_car ? words : hud->devices);
 	float s = hud->scale, gap = 16.0f * s, height = 52.0f * s, width = pill_width(hud, &line);
 	float right = hud->corner.x0 - gap, y = (hud->corner.y0 + hud->corner.y1 - height) / 2.0f;
 	if (right - width < hud->next.x1 + gap) {

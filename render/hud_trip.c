@@ -20,7 +20,7 @@ void hud_trip(struct hud *hud)
 	float s = hud->scale, width = 232.0f * s;
 	struct box none = { hud->width - hud->margin, hud->bottom, hud->width - hud->margin, hud->bottom };
 	hud->trip = none;
-	if (!nav->located || !nav->routed)
+	if (!nav->located || !nav->routed || hud->trip_covered)
 		return;
 	char head[WORDING_MAX], distance[WORDING_MAX], duration[WORDING_MAX], tail[2 * WORDING_MAX + 8];
 	head_words(hud, head);

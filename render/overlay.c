@@ -29,6 +29,9 @@ int overlay_init(struct overlay *overlay, struct arena *arena, struct gfx *gfx, 
 	status = ribbon_init(&overlay->ribbon, arena, gfx, overlay->config.ribbon_points);
 	if (status == 0)
 		status = labels_init(&overlay->labels, arena, pkg, &overlay->font);
+	if (status == 0)
+		status = menu_words_init(
+			&overlay->menu_words, arena, &overlay->font, overlay->config.menu_words, overlay->config.menu_word_count);
 	if (status < 0)
 		overlay_finish(overlay);
 	return status;
@@ -44,7 +47,8 @@ void overlay_finish(struct overlay *overlay)
 /* Day and night have a gap between them, so that dusk does not flicker; the change itself is gradual. */
 static void follow_light(struct overlay *overlay, const struct overlay_input *input)
 {
-	double light = input->nav->ambient >= 0.0 ? input->nav->ambient : (double)input->daylight;
+	bool chosen = input->driver && input->driver->light_chosen;
+	double light = input->nav->ambient >= 0.0 && !chosen ? input->nav->ambient : (double)input->daylight;
 	if (!overlay->started || input->time_ns < overlay->time_ns) {
 		overlay->by_day = light > 0.4;
 		overlay->day = overlay->by_day ? 1.0f : 0.0f;
@@ -100,8 +104,17 @@ static float picture_heading(const struct view *view)
 	return atan2f(ahead->x, ahead->y);
 }
 
+static enum wording_units units_of(const struct overlay *overlay, const struct overlay_driver *driver)
+{
+	if (!driver || driver->units == UNITS_AUTO)
+		return overlay->config.units;
+	bool yards = driver->units == UNITS_MILES_FEET && wording_units_of(overlay->pkg->meta) == UNITS_MILES_YARDS;
+	return yards ? UNITS_MILES_YARDS : driver->units;
+}
+
 static void draw_hud(struct overlay *overlay, const struct overlay_input *input)
 {
+	const struct overlay_driver *driver = input->driver;
 	float scale = overlay_scale(input->view->width, input->view->height);
 	struct hud hud = {
 		.canvas = &overlay->canvas,
@@ -110,7 +123,8 @@ static void draw_hud(struct overlay *overlay, const struct overlay_input *input)
 		.pkg = overlay->pkg,
 		.nav = input->nav,
 		.memory = &overlay->memory,
-		.units = overlay->config.units,
+		.units = units_of(overlay, driver),
+		.devices = driver ? driver->devices : NULL,
 		.zone_minutes = overlay->config.utc_offset_minutes,
 		.zone_known = overlay->config.zone_given,
 		.scale = scale,
@@ -124,6 +138,7 @@ static void draw_hud(struct overlay *overlay, const struct overlay_input *input)
 	hud_next(&hud);
 	hud_compass(&hud, picture_heading(input->view));
 	hud_speed(&hud);
+	hud_menu(&hud, &overlay->menu_words, driver ? driver->menu : NULL);
 	hud_trip(&hud);
 	if (!hud.compact)
 		hud_status(&hud);
@@ -151,7 +166,8 @@ void overlay_update(struct overlay *overlay, const struct overlay_input *input)
 		.taken_count = overlay->taken_count,
 	};
 	labels_update(&overlay->labels, &labels);
-	labels_draw(&overlay->labels, &overlay->canvas, &overlay->palette);
+	if (!input->driver || !input->driver->no_names)
+		labels_draw(&overlay->labels, &overlay->canvas, &overlay->palette);
 	canvas_upload(&overlay->canvas);
 }
 

@@ -15,21 +15,33 @@
 
 /* Zero takes the default. */
 struct overlay_config {
-	enum wording_units units;   /* default: the country's */
-	bool zone_given;            /* false: no zone is known, the time still to go stands for the arrival time */
-	int32_t utc_offset_minutes; /* local time minus UTC, with zone_given */
-	uint32_t vertices;          /* of flat shapes and text; default 8,192 */
-	uint32_t ribbon_points;     /* default 4,096 */
+	enum wording_units units;      /* default: the country's */
+	bool zone_given;               /* false: no zone is known, the time still to go stands for the arrival time */
+	int32_t utc_offset_minutes;    /* local time minus UTC, with zone_given */
+	uint32_t vertices;             /* of flat shapes and text; default 8,192 */
+	uint32_t ribbon_points;        /* default 4,096 */
+	const char *const *menu_words; /* every word of the menu; borrowed during overlay_init(), the words for ever */
+	uint32_t menu_word_count;
+};
+
+/* What the driver has chosen, and what the driver's side has to say. Plain values, every frame. */
+struct overlay_driver {
+	const struct menu_view *menu; /* NULL: closed */
+	const char *devices;          /* what is wrong with controls and lines, NULL nothing */
+	enum wording_units units;     /* UNITS_AUTO: the country's */
+	bool no_names;                /* of streets */
+	bool light_chosen;            /* day or night by choice: `daylight` alone counts */
 };
 
 struct overlay_input {
 	const struct view *view;
 	const struct nav_view *nav;
 	enum camera_kind kind;
-	int64_t time_ns;     /* simulated or monotonic */
-	float daylight;      /* 0 night to 1 day; nav->ambient goes first when it is known */
-	bool map_damaged;    /* parts of the map could not be read */
-	const char *message; /* shown as it is, NULL none */
+	int64_t time_ns;                     /* simulated or monotonic */
+	float daylight;                      /* 0 night to 1 day; nav->ambient goes first when it is known */
+	bool map_damaged;                    /* parts of the map could not be read */
+	const char *message;                 /* shown as it is, NULL none */
+	const struct overlay_driver *driver; /* NULL: as it was configured, no menu */
 };
 
 struct overlay {
@@ -41,6 +53,7 @@ struct overlay {
 	struct labels labels;
 	struct ribbon ribbon;
 	struct palette palette;
+	struct menu_words menu_words;
 	struct hud_memory memory;
 	struct view view; /* of this frame */
 	struct ribbon_look look;

@@ -27,6 +27,8 @@ static const struct {
 	ROW(label_strong, 0x0B4FB8, 1.0f, 0x8DBBF5, 1.0f),
 	ROW(warning, 0xFFE3A8, 0.97f, 0x4A3914, 0.95f),
 	ROW(warning_text, 0x4A3200, 1.0f, 0xE3C27A, 1.0f),
+	ROW(choice, 0x0F3D63, 1.0f, 0x2A4560, 1.0f),
+	ROW(choice_text, 0xFFFFFF, 1.0f, 0xDCE4EC, 1.0f),
 	ROW(over_limit, 0xC21F1F, 1.0f, 0xE08A80, 1.0f),
 	ROW(sign_face, 0xFFFFFF, 1.0f, 0xBFC5CB, 1.0f),
 	ROW(sign_ring, 0xD3202A, 1.0f, 0xA3242B, 1.0f),

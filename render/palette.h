@@ -13,6 +13,7 @@ struct palette {
 	struct rgba label, label_halo;                           /* in the scene */
 	struct rgba label_strong;                                /* the next manoeuvre's street */
 	struct rgba warning, warning_text;                       /* sensors, messages */
+	struct rgba choice, choice_text;                         /* the row of the menu that a push would act on */
 	struct rgba over_limit;
 	struct rgba sign_face, sign_ring, sign_text;
 	struct rgba north;

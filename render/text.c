@@ -1,6 +1,7 @@
 /* A glyph costs a quad; a name of 20 letters about a microsecond. */
 #include "render/text.h"
 
+#include <errno.h>
 #include <math.h>
 
 static const struct pkg_glyph *glyph_at(const struct text_font *font, uint32_t glyph)
@@ -87,6 +88,29 @@ struct text_line text_line_string(const struct text_font *font, uint32_t string)
 		.utf8 = utf8,
 		.right_to_left = starts_right_to_left(utf8),
 	};
+}
+
+int text_line_set(const struct text_font *font, const char *utf8, struct arena *arena, struct text_line *line)
+{
+	size_t most = strlen(utf8);
+	struct pkg_text *text = ARENA_ARRAY(arena, struct pkg_text, 1);
+	struct pkg_glyph_at *run = ARENA_ARRAY(arena, struct pkg_glyph_at, most + 1);
+	if (!text || !run)
+		return -ENOMEM;
+	for (const char *at = utf8; font->font && *at;) {
+		uint32_t glyph = glyph_of(font, next_codepoint(&at));
+		if (glyph == PKG_NONE)
+			continue;
+		run[text->glyph_count++] = (struct pkg_glyph_at){ .glyph = glyph, .x_em = text->width_em };
+		text->width_em += glyph_at(font, glyph)->advance_em;
+	}
+	*line = (struct text_line){ .shaped = text, .glyphs = run, .utf8 = utf8 };
+	return 0;
+}
+
+static const struct pkg_glyph_at *run_of(const struct text_font *font, const struct text_line *line)
+{
+	return line->glyphs ? line->glyphs : font->pkg->glyph_runs + line->shaped->first_glyph;
 }
 
 bool text_line_empty(const struct text_line *line)
@@ -176,7 +200,7 @@ static void draw_between(const struct pen *pen, const struct text_line *line, fl
 {
 	const float slack = 1e-4f;
 	if (line->shaped) {
-		const struct pkg_glyph_at *run = pen->font->pkg->glyph_runs + line->shaped->first_glyph;
+		const struct pkg_glyph_at *run = run_of(pen->font, line);
 		for (uint32_t i = 0; i < line->shaped->glyph_count; i++)
 			if (run[i].x_em >= from_em - slack &&
 				run[i].x_em + glyph_at(pen->font, run[i].glyph)->advance_em <= to_em + slack)
@@ -205,7 +229,7 @@ static float glyph_edge(const struct text_font *font, const struct text_line *li
 	for (uint32_t i = 0; line->shaped ? i < line->shaped->glyph_count : *at != 0; i++) {
 		uint32_t glyph;
 		if (line->shaped) {
-			const struct pkg_glyph_at *run = &font->pkg->glyph_runs[line->shaped->first_glyph + i];
+			const struct pkg_glyph_at *run = run_of(font, line) + i;
 			x = run->x_em;
 			glyph = run->glyph;
 		} else
@@ -252,7 +276,7 @@ bool text_break(const struct text_font *font, const struct text_line *line, floa
 	if (!font->font || !shaped)
 		return false;
 	for (uint32_t i = 1; i + 1 < shaped->glyph_count; i++) {
-		const struct pkg_glyph_at *at = &font->pkg->glyph_runs[shaped->first_glyph + i];
+		const struct pkg_glyph_at *at = run_of(font, line) + i;
 		const struct pkg_glyph *glyph = glyph_at(font, at->glyph);
 		float end = at->x_em + glyph->advance_em;
 		if (glyph->atlas_width || glyph->advance_em <= 0.0f)

@@ -26,13 +26,17 @@ void text_font_init(struct text_font *font, const struct pkg *pkg);
 
 /* A line: shaped, or UTF-8 of the overlay's own. Borrowed. */
 struct text_line {
-	const struct pkg_text *shaped; /* NULL: use utf8 */
+	const struct pkg_text *shaped;     /* NULL: use utf8 */
+	const struct pkg_glyph_at *glyphs; /* of `shaped`; NULL: the package's */
 	const char *utf8;
 	bool right_to_left; /* a line that must be cut keeps its right end */
 };
 struct text_line text_line_utf8(const char *utf8);
 /* A string of the package; without a shaped form (or with offset 0) its UTF-8. */
 struct text_line text_line_string(const struct text_font *font, uint32_t string);
+/* Set once, at start, for words that are drawn often: `line` is then shaped. Memory from the arena; `utf8` is borrowed.
+ * Returns 0 or -ENOMEM. */
+int text_line_set(const struct text_font *font, const char *utf8, struct arena *arena, struct text_line *line);
 bool text_line_empty(const struct text_line *line);
 
 float text_width_em(const struct text_font *font, const struct text_line *line);

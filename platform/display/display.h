@@ -20,7 +20,10 @@ enum display_key {
 	DISPLAY_KEY_CAMERA,   /* c: the next camera */
 	DISPLAY_KEY_NIGHT,    /* n: day or night look */
 	DISPLAY_KEY_PAUSE,    /* space */
-	DISPLAY_KEY_QUIT,     /* escape, q */
+	DISPLAY_KEY_PUSH,     /* return: the menu, and what is chosen in it */
+	DISPLAY_KEY_BACK,     /* backspace */
+	DISPLAY_KEY_ESCAPE,   /* closes the menu, else ends the program */
+	DISPLAY_KEY_QUIT,     /* q */
 };
 enum display_event_kind { DISPLAY_EVENT_KEY, DISPLAY_EVENT_CLOSE, DISPLAY_EVENT_RESIZE };
 struct display_event {

@@ -35,7 +35,13 @@ static enum display_key key_of(int key)
 		return DISPLAY_KEY_NIGHT;
 	case GLFW_KEY_SPACE:
 		return DISPLAY_KEY_PAUSE;
+	case GLFW_KEY_ENTER:
+	case GLFW_KEY_KP_ENTER:
+		return DISPLAY_KEY_PUSH;
+	case GLFW_KEY_BACKSPACE:
+		return DISPLAY_KEY_BACK;
 	case GLFW_KEY_ESCAPE:
+		return DISPLAY_KEY_ESCAPE;
 	case GLFW_KEY_Q:
 		return DISPLAY_KEY_QUIT;
 	default:
