@@ -151,6 +151,8 @@ static void look_at_camera(struct reverse *reverse, int64_t now_ns)
 		reverse->uploaded = false;
 	}
 	camera_status(&reverse->camera, &status);
+	if (status.link == CAMERA_ABSENT || reverse->frame.session != status.sessions)
+		reverse->has_frame = false; /* its memory is gone */
 	enum watch_state state = camera_watch_state(&reverse->watch, status.link, now_ns, reverse->ahead_ns);
 	if (state != reverse->state) {
 		reverse->stats.frozen += state == WATCH_FROZEN;

@@ -38,7 +38,8 @@ struct camera_config {
 	struct camera_mount mount;
 };
 
-/* One picture. `plane` is valid until the next camera_latest() or camera_close(). */
+/* One picture. `plane` is valid until the next camera_latest() that returns true, camera_close(), or a camera_status()
+ * that says ABSENT or tells another number of sessions. */
 struct camera_frame {
 	enum camera_format format; /* neither ANY nor MJPEG */
 	uint32_t width, height;
