@@ -391,6 +391,8 @@ static bool draw(struct machine *m, int64_t now_ns, const struct nav_view *view)
 static int show(struct machine *m, int64_t now_ns)
 {
 	panel_bring_out(&m->display, &m->screen, m->pixels);
+	if (reverse_outdated(&m->reverse, controls_time(m, now_ns)))
+		panel_bring_out(&m->display, &m->screen, m->pixels);
 	count_frame(m);
 	int status = panel_show(&m->display, &m->screen, m->pixels);
 	reverse_shown(&m->reverse, controls_time(m, now_ns));

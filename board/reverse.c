@@ -167,6 +167,18 @@ static void look_at_camera(struct reverse *reverse, int64_t now_ns)
 	reverse->state = state;
 }
 
+/* The driver of the GPU makes a program's last form at its first use, which may take longer than a picture has: one
+ * picture that nobody sees, as soon as the camera's format is known. */
+static void warm_up(struct reverse *reverse)
+{
+	if (reverse->engaged || reverse->warmed || reverse->state != WATCH_LIVE || !reverse->has_frame)
+		return;
+	reverse->warmed = true;
+	if (!reverse_view_upload(&reverse->view, &reverse->frame))
+		return;
+	reverse_view_draw(&reverse->view, &(struct reverse_view_state){ .angle_known = true, .note = " " });
+}
+
 bool reverse_update(struct reverse *reverse, const struct reverse_input *input)
 {
 	if (!reverse_has_camera(reverse))
@@ -174,10 +186,11 @@ bool reverse_update(struct reverse *reverse, const struct reverse_input *input)
 	reverse->drawn_for_ns = input->now_ns;
 	update_engaged(reverse, input);
 	look_at_camera(reverse, input->now_ns);
+	warm_up(reverse);
 	return reverse->engaged;
 }
 
-static void draw_words(struct reverse *reverse, const struct reverse_input *input)
+static void draw_words(struct reverse *reverse)
 {
 	static const char *const titles[] = {
 		[WATCH_STARTING] = "CAMERA STARTS",
@@ -186,17 +199,18 @@ static void draw_words(struct reverse *reverse, const struct reverse_input *inpu
 		[WATCH_MISSING] = "NO CAMERA PICTURE",
 	};
 	reverse_view_notice(
-		&reverse->view, titles[reverse->state], "LOOK BEHIND YOU", reverse->state != WATCH_STARTING, input->night);
+		&reverse->view, titles[reverse->state], "LOOK BEHIND YOU", reverse->state != WATCH_STARTING, reverse->night);
 }
 
 void reverse_draw(struct reverse *reverse, const struct reverse_input *input)
 {
 	const struct vehicle_state *state = input->state;
+	reverse->night = input->night;
 	reverse->live = reverse->state == WATCH_LIVE && reverse->has_frame;
 	if (reverse->live && !reverse->uploaded)
 		reverse->live = reverse->uploaded = reverse_view_upload(&reverse->view, &reverse->frame);
 	if (!reverse->live) {
-		draw_words(reverse, input);
+		draw_words(reverse);
 		return;
 	}
 	const struct profile *profile = reverse->profile;
@@ -210,6 +224,17 @@ void reverse_draw(struct reverse *reverse, const struct reverse_input *input)
 	if (!shown.angle_known && !shown.note && state->state[VEHICLE_STEERING] != NAV_SIGNAL_ABSENT)
 		shown.note = "STEERING ANGLE UNKNOWN";
 	reverse_view_draw(&reverse->view, &shown);
+}
+
+bool reverse_outdated(struct reverse *reverse, int64_t now_ns)
+{
+	if (!reverse->engaged || !reverse->live || now_ns - reverse->frame.time_ns <= WATCH_AGE_NS)
+		return false;
+	reverse->live = false;
+	reverse->state = reverse->waiting ? WATCH_STARTING : WATCH_FROZEN;
+	reverse->stats.withdrawn++;
+	draw_words(reverse);
+	return true;
 }
 
 void reverse_shown(struct reverse *reverse, int64_t now_ns)

@@ -42,6 +42,8 @@ struct reverse {
 	struct camera_watch watch;
 	struct camera_frame frame; /* the newest; its memory is the camera's */
 	bool has_frame, uploaded;
+	bool warmed; /* the programs have been used */
+	bool night;  /* of the last frame */
 	bool simulated;
 	bool engaged;                   /* the picture is wanted */
 	bool was_reverse;               /* the last that was heard was reverse */
@@ -68,6 +70,9 @@ bool reverse_has_camera(const struct reverse *reverse);
 bool reverse_update(struct reverse *reverse, const struct reverse_input *input);
 /* A whole frame on the screen: the picture, or words. */
 void reverse_draw(struct reverse *reverse, const struct reverse_input *input);
+/* After drawing, before showing: whether the picture has become too old meanwhile. Then words have been drawn instead.
+ */
+bool reverse_outdated(struct reverse *reverse, int64_t now_ns);
 /* What was drawn is seen since `now_ns`. */
 void reverse_shown(struct reverse *reverse, int64_t now_ns);
 

@@ -33,6 +33,7 @@ struct camera_stats {
 	uint64_t shown;                /* live pictures on the screen */
 	uint64_t frozen, missing;      /* times that it became so */
 	uint64_t too_old;              /* pictures older than 200 ms when they were seen */
+	uint64_t withdrawn;            /* that became so before they were shown, and were not */
 	int64_t decode_ns_max;
 	struct histogram age_ns;  /* of pictures when they were seen */
 	struct histogram edge_ns; /* from reverse put in to the first live picture on the screen */
