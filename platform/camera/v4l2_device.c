@@ -185,7 +185,7 @@ static struct v4l2_buffer describe(const struct v4l2_device *device, uint32_t in
 
 static int map_buffer(struct v4l2_device *device, uint32_t index)
 {
-	struct v4l2_plane plane;
+	struct v4l2_plane plane = { 0 };
 	struct v4l2_buffer buffer = describe(device, index, &plane);
 	struct v4l2_buffer_memory *memory = &device->buffers[index];
 	int status = control(device, VIDIOC_QUERYBUF, &buffer);
@@ -263,7 +263,7 @@ void v4l2_device_close(struct v4l2_device *device)
 
 int v4l2_device_take(struct v4l2_device *device, struct v4l2_filled *out)
 {
-	struct v4l2_plane plane;
+	struct v4l2_plane plane = { 0 };
 	struct v4l2_buffer buffer = describe(device, 0, &plane);
 	int status = control(device, VIDIOC_DQBUF, &buffer);
 	if (status < 0)
@@ -279,7 +279,7 @@ int v4l2_device_take(struct v4l2_device *device, struct v4l2_filled *out)
 
 int v4l2_device_give(struct v4l2_device *device, uint32_t index)
 {
-	struct v4l2_plane plane;
+	struct v4l2_plane plane = { 0 };
 	struct v4l2_buffer buffer = describe(device, index, &plane);
 	return control(device, VIDIOC_QBUF, &buffer);
 }
