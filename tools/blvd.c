@@ -15,6 +15,7 @@ static const struct command {
 	{ "compare", cmd_compare, "how two pictures differ, as JSON" },
 	{ "drive", cmd_drive, "a driven route as a CAN log" },
 	{ "inspect", cmd_inspect, "what is in a package" },
+	{ "sim", cmd_sim, "the virtual car, live on a CAN bus" },
 	{ "synth", cmd_synth, "a made-up city as OSM" },
 	{ "track", cmd_track, "how well a log is followed, as JSON" },
 	{ "tradeoff", cmd_tradeoff, "speed against accuracy of the representations, over a drive" },

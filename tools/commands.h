@@ -19,6 +19,7 @@ int cmd_inspect(int argc, char **argv);
 int cmd_track(int argc, char **argv);
 int cmd_tradeoff(int argc, char **argv);
 int cmd_verify(int argc, char **argv);
+int cmd_sim(int argc, char **argv);
 int cmd_shot(int argc, char **argv);
 
 #endif

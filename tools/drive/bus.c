@@ -12,7 +12,7 @@
 #include "platform/can/dbc_boulevard.h"
 #include "tools/drive/drive.h"
 
-#define TICK_NS INT64_C(10000000)
+#define TICK_NS BUS_TICK_NS
 #define FRAME_GAP_NS INT64_C(250000)
 #define STEERING_RATIO 15.0
 #define WHEELBASE_M 2.7
@@ -23,10 +23,10 @@
 #define ODOMETER_START_KM 12345.0
 #define INTERFACE "vcan0"
 
-struct sender {
+struct bus {
 	const struct drive *drive;
 	struct dbc dbc;
-	struct candump_writer writer;
+	struct bus_sink sink;
 	int64_t wall_ns;
 	struct rng rng;
 	double speed_error, yaw_bias_rps;
@@ -37,16 +37,20 @@ struct sender {
 	double last_steering_deg;
 	uint32_t next_stop;
 	double ambient;
-	int faults; /* values that the definitions cannot hold */
+	double light; /* instead; negative: none */
+	bool says_power;
+	int ignition;
+	int faults;              /* values that the definitions cannot hold */
+	uint8_t memory[1 << 18]; /* of the definitions */
 };
 
 struct message {
-	struct sender *sender;
+	struct bus *sender;
 	const struct dbc_message *definition;
 	struct can_frame_rx frame;
 };
 
-static bool begin(struct sender *sender, const char *name, struct message *out)
+static bool begin(struct bus *sender, const char *name, struct message *out)
 {
 	out->sender = sender;
 	out->definition = dbc_find_message(&sender->dbc, name);
@@ -76,7 +80,7 @@ static void put(struct message *message, const char *name, double value)
 static void send(struct message *message, int slot)
 {
 	message->frame.time_ns = message->sender->wall_ns + slot * FRAME_GAP_NS;
-	candump_writer_add(&message->sender->writer, INTERFACE, &message->frame);
+	message->sender->sink.frame(message->sender->sink.context, &message->frame);
 }
 
 static void send_protected(struct message *message, unsigned *counter, int slot)
@@ -90,7 +94,7 @@ static void send_protected(struct message *message, unsigned *counter, int slot)
 }
 
 /* Irwin-Hall, as good as normal here. */
-static double noise(struct sender *sender, double sigma)
+static double noise(struct bus *sender, double sigma)
 {
 	double sum = 0.0;
 	for (int i = 0; i < 4; i++)
@@ -98,29 +102,31 @@ static double noise(struct sender *sender, double sigma)
 	return sum * 1.7320508 * sigma;
 }
 
-static void send_motion(struct sender *sender, const struct drive_state *state)
+static void send_motion(struct bus *sender, const struct drive_state *state)
 {
 	struct message m;
 	if (!begin(sender, "MOTION", &m))
 		return;
-	double said = state->speed_mps * (1.0 + sender->speed_error);
-	if (state->speed_mps > 0.3)
+	double speed = fabs(state->speed_mps), said = speed * (1.0 + sender->speed_error);
+	if (speed > 0.3)
 		said = fmax(said + noise(sender, 0.01), 0.0);
 	double rate = state->yaw_rate_rps + sender->yaw_bias_rps + noise(sender, 0.0012);
 	put(&m, "Speed", said * KMH);
 	put(&m, "YawRate", -rate * DEG);
 	put(&m, "LongitudinalAcceleration", state->accel_mps2 + noise(sender, 0.03));
-	put(&m, "Standstill", state->speed_mps <= 0.0);
+	put(&m, "Standstill", speed <= 0.0);
 	send_protected(&m, &sender->counter[0], 1);
 }
 
-static void send_wheels(struct sender *sender, const struct drive_state *state)
+static void send_wheels(struct bus *sender, const struct drive_state *state)
 {
 	struct message m;
 	if (!begin(sender, "WHEELS", &m))
 		return;
 	double inner = 0.5 * TRACK_M * state->yaw_rate_rps, said = state->speed_mps * (1.0 + sender->speed_error);
-	double left = fmax(said + inner, 0.0) * KMH, right = fmax(said - inner, 0.0) * KMH;
+	/* wheels do not say which way they turn */
+	double sign = state->speed_mps < 0.0 ? -1.0 : 1.0;
+	double left = fmax(sign * (said + inner), 0.0) * KMH, right = fmax(sign * (said - inner), 0.0) * KMH;
 	put(&m, "WheelFrontLeft", left);
 	put(&m, "WheelFrontRight", right);
 	put(&m, "WheelRearLeft", left);
@@ -128,7 +134,7 @@ static void send_wheels(struct sender *sender, const struct drive_state *state)
 	send(&m, 2);
 }
 
-static void send_steering(struct sender *sender, const struct drive_state *state)
+static void send_steering(struct bus *sender, const struct drive_state *state)
 {
 	struct message m;
 	if (!begin(sender, "STEERING", &m))
@@ -141,35 +147,51 @@ static void send_steering(struct sender *sender, const struct drive_state *state
 	send_protected(&m, &sender->counter[1], 0);
 }
 
-static void send_drivetrain(struct sender *sender, const struct drive_state *state)
+static void send_drivetrain(struct bus *sender, const struct drive_state *state)
 {
 	struct message m;
 	if (!begin(sender, "DRIVETRAIN", &m))
 		return;
-	put(&m, "Gear", state->parked ? 0.0 : 3.0);
-	put(&m, "ParkingBrake", state->parked);
+	static const double said[] = {
+		[NAV_GEAR_PARK] = 0.0, [NAV_GEAR_REVERSE] = 1.0, [NAV_GEAR_NEUTRAL] = 2.0, [NAV_GEAR_DRIVE] = 3.0
+	};
+	enum nav_gear gear = state->gear;
+	if (gear == NAV_GEAR_UNKNOWN)
+		gear = state->parked ? NAV_GEAR_PARK : NAV_GEAR_DRIVE;
+	put(&m, "Gear", said[gear]);
+	put(&m, "ParkingBrake", gear == NAV_GEAR_PARK);
 	send_protected(&m, &sender->counter[2], 3);
 }
 
-static bool in_tunnel(const struct sender *sender, const struct drive_state *state)
+static bool in_tunnel(const struct bus *sender, const struct drive_state *state)
 {
 	return graph_edge(&sender->drive->graph, state->half)->flags & PKG_EDGE_TUNNEL;
 }
 
-static void send_body(struct sender *sender, const struct drive_state *state)
+static void send_body(struct bus *sender, const struct drive_state *state)
 {
 	struct message m;
 	if (!begin(sender, "BODY", &m))
 		return;
 	double light = in_tunnel(sender, state) ? 0.08 : 1.0;
-	double target = sender->ambient * light + (light < 1.0 ? 0.02 : 0.0);
-	put(&m, "TurnLamp", state->lamp < 0 ? 1.0 : state->lamp > 0 ? 2.0 : 0.0);
+	double target = (sender->light < 0.0 ? sender->ambient : sender->light) * light + (light < 1.0 ? 0.02 : 0.0);
+	put(&m, "TurnLamp", state->lamp < 0 ? 1.0 : state->lamp > 1 ? 3.0 : state->lamp > 0 ? 2.0 : 0.0);
 	put(&m, "LowBeam", target < 0.3);
 	put(&m, "AmbientLight", fmin(target, 1.0) * 100.0);
 	send(&m, 4);
 }
 
-static void send_odometer(struct sender *sender, const struct drive_state *state)
+static void send_power(struct bus *sender)
+{
+	struct message m;
+	if (!sender->says_power || !begin(sender, "POWER", &m))
+		return;
+	put(&m, "Ignition", sender->ignition);
+	put(&m, "BatteryVoltage", sender->ignition > 1 ? 14.1 : 12.4);
+	send(&m, 10);
+}
+
+static void send_odometer(struct bus *sender, const struct drive_state *state)
 {
 	struct message m;
 	if (!begin(sender, "ODOMETER", &m))
@@ -180,7 +202,7 @@ static void send_odometer(struct sender *sender, const struct drive_state *state
 
 /* Errors of fixes: slow wander, quick noise, silence in tunnels and now and then. The fixes before setting off are
  * exact: they tell a replay where it starts. */
-static bool fix_error(struct sender *sender, const struct drive_state *state, double error[2])
+static bool fix_error(struct bus *sender, const struct drive_state *state, double error[2])
 {
 	error[0] = error[1] = 0.0;
 	if (!state->driving && state->time_s < START_FIX_S)
@@ -196,7 +218,7 @@ static bool fix_error(struct sender *sender, const struct drive_state *state, do
 	return state->time_s >= sender->dropout_s && !in_tunnel(sender, state);
 }
 
-static void send_fix(struct sender *sender, const struct drive_state *state)
+static void send_fix(struct bus *sender, const struct drive_state *state)
 {
 	struct message position, motion;
 	double error[2];
@@ -215,7 +237,7 @@ static void send_fix(struct sender *sender, const struct drive_state *state)
 	bool course = valid && (state->speed_mps > 1.5 || state->time_s < START_FIX_S);
 	double deg = fmod(state->heading_rad * DEG + (state->speed_mps > 1.5 ? noise(sender, 1.0) : 0.0), 360.0);
 	put(&motion, "Course", course ? fmin(deg < 0.0 ? deg + 360.0 : deg, 359.99) : 0.0);
-	put(&motion, "GroundSpeed", valid ? state->speed_mps : 0.0);
+	put(&motion, "GroundSpeed", valid ? fabs(state->speed_mps) : 0.0);
 	put(&motion, "Accuracy", state->time_s < START_FIX_S ? 0.5 : 3.0);
 	put(&motion, "Satellites", valid ? 11.0 : 0.0);
 	put(&motion, "FixType", valid ? 3.0 : 0.0);
@@ -225,7 +247,7 @@ static void send_fix(struct sender *sender, const struct drive_state *state)
 	send(&position, 7);
 }
 
-static void send_time(struct sender *sender)
+static void send_time(struct bus *sender)
 {
 	struct message m;
 	if (!begin(sender, "GNSS_TIME", &m))
@@ -235,12 +257,12 @@ static void send_time(struct sender *sender)
 }
 
 /* One stop a frame, in turn. */
-static void send_destination(struct sender *sender)
+static void send_destination(struct bus *sender)
 {
 	struct message m;
-	if (!begin(sender, "DESTINATION", &m))
-		return;
 	const struct drive *drive = sender->drive;
+	if (!drive->stop_count || !begin(sender, "DESTINATION", &m))
+		return;
 	uint32_t i = sender->next_stop++ % drive->stop_count;
 	put(&m, "StopCount", drive->stop_count);
 	put(&m, "StopIndex", i);
@@ -249,8 +271,11 @@ static void send_destination(struct sender *sender)
 	send(&m, 9);
 }
 
-static void send_tick(struct sender *sender, const struct drive_state *state, int64_t tick)
+void bus_tick(struct bus *sender, const struct drive_state *state, int64_t tick, int64_t wall_ns)
 {
+	sender->wall_ns = wall_ns;
+	if (tick % 500 == 0)
+		sender->ambient = ambient_light(sender->drive->pkg->frame.origin, wall_ns);
 	send_steering(sender, state);
 	if (tick % 2 == 0) {
 		send_motion(sender, state);
@@ -260,6 +285,8 @@ static void send_tick(struct sender *sender, const struct drive_state *state, in
 		send_drivetrain(sender, state);
 	if (tick % 10 == 3)
 		send_body(sender, state);
+	if (tick % 10 == 4)
+		send_power(sender);
 	if (tick % 20 == 5)
 		send_odometer(sender, state);
 	if (tick % 20 == 7)
@@ -271,7 +298,7 @@ static void send_tick(struct sender *sender, const struct drive_state *state, in
 		send_destination(sender);
 }
 
-static void write_truth(FILE *truth, const struct sender *sender, const struct drive_state *state)
+static void write_truth(FILE *truth, const struct bus *sender, const struct drive_state *state)
 {
 	double deg = fmod(state->heading_rad * DEG, 360.0);
 	fprintf(truth, "%lld.%06lld,%.3f,%.3f,%.3f,%.3f,%.3f,%u,%.3f\n", (long long)(sender->wall_ns / 1000000000),
@@ -279,11 +306,8 @@ static void write_truth(FILE *truth, const struct sender *sender, const struct d
 		deg < 0.0 ? deg + 360.0 : deg, state->speed_mps, state->half, state->along_m);
 }
 
-static void sender_init(struct sender *sender, const struct drive *drive, int log_fd)
+static void choose_errors(struct bus *sender, const struct drive_options *options)
 {
-	const struct drive_options *options = drive->options;
-	memset(sender, 0, sizeof(*sender));
-	sender->drive = drive;
 	sender->rng = rng_seed(options->seed ^ 0xCA4);
 	sender->speed_error = rng_range(&sender->rng, -0.005, 0.005);
 	sender->yaw_bias_rps = rng_range(&sender->rng, -0.1, 0.1) / DEG;
@@ -292,40 +316,77 @@ static void sender_init(struct sender *sender, const struct drive *drive, int lo
 	if (isfinite(options->yaw_bias_rps))
 		sender->yaw_bias_rps = options->yaw_bias_rps;
 	sender->next_dropout_s = rng_range(&sender->rng, 30.0, 120.0);
-	candump_writer_init(&sender->writer, log_fd);
+}
+
+struct bus *bus_new(const struct drive *drive, const struct bus_sink *sink)
+{
+	struct bus *made = calloc(1, sizeof(*made));
+	struct arena arena;
+	struct dbc_note note;
+	if (!made)
+		abort();
+	made->drive = drive;
+	made->sink = *sink;
+	made->light = -1.0;
+	choose_errors(made, drive->options);
+	arena_init(&arena, "dbc", made->memory, sizeof(made->memory));
+	if (dbc_parse(&made->dbc, dbc_boulevard_text, dbc_boulevard_size, &arena, &note) == 0)
+		return made;
+	log_error("boulevard.dbc:%u: %s", note.line, note.text);
+	free(made);
+	return NULL;
+}
+
+void bus_free(struct bus *bus)
+{
+	if (bus && bus->faults)
+		log_warn("%d values did not fit the signal definitions", bus->faults);
+	free(bus);
+}
+
+void bus_say_ignition(struct bus *bus, int ignition)
+{
+	bus->says_power = true;
+	bus->ignition = ignition;
+}
+
+void bus_set_light(struct bus *bus, double light)
+{
+	bus->light = light;
+}
+
+const struct dbc *bus_dbc(const struct bus *bus)
+{
+	return &bus->dbc;
+}
+
+/* --- a log --- */
+
+static void to_log(void *context, const struct can_frame_rx *frame)
+{
+	candump_writer_add(context, INTERFACE, frame);
 }
 
 int bus_write(const struct drive *drive, struct drive_motion *motion, int log_fd, FILE *truth)
 {
-	struct sender *sender = malloc(sizeof(*sender));
-	uint8_t *memory = malloc(1 << 18);
-	if (!sender || !memory)
+	struct candump_writer *writer = malloc(sizeof(*writer));
+	if (!writer)
 		abort();
-	struct arena arena;
-	struct dbc_note note;
-	arena_init(&arena, "dbc", memory, 1 << 18);
-	sender_init(sender, drive, log_fd);
-	int err = dbc_parse(&sender->dbc, dbc_boulevard_text, dbc_boulevard_size, &arena, &note);
-	if (err)
-		log_error("boulevard.dbc:%u: %s", note.line, note.text);
+	candump_writer_init(writer, log_fd);
+	struct bus *bus = bus_new(drive, &(struct bus_sink){ to_log, writer });
+	int err = bus ? 0 : -EINVAL;
 	if (truth)
 		fputs("time_s,east_m,north_m,up_m,heading_deg,speed_mps,half,along_m\n", truth);
 	int64_t ticks = (int64_t)(motion->end_s * 1e9) / TICK_NS;
-	struct geo_point origin = drive->pkg->frame.origin;
-	for (int64_t tick = 0; !err && tick <= ticks && !sender->writer.error; tick++) {
-		sender->wall_ns = drive->options->wall_ns + tick * TICK_NS;
-		if (tick % 500 == 0)
-			sender->ambient = ambient_light(origin, sender->wall_ns);
+	for (int64_t tick = 0; !err && tick <= ticks && !writer->error; tick++) {
 		struct drive_state state = motion_at(motion, (double)tick * 1e-9 * (double)TICK_NS);
-		send_tick(sender, &state, tick);
+		bus_tick(bus, &state, tick, drive->options->wall_ns + tick * TICK_NS);
 		if (truth && tick % 5 == 0)
-			write_truth(truth, sender, &state);
+			write_truth(truth, bus, &state);
 	}
-	int flush = candump_writer_flush(&sender->writer);
-	if (!err && sender->faults)
-		log_warn("%d values did not fit the signal definitions", sender->faults);
-	free(memory);
-	free(sender);
+	int flush = candump_writer_flush(writer);
+	bus_free(bus);
+	free(writer);
 	return err ? err : flush;
 }
 

@@ -11,7 +11,6 @@
 #include "tools/commands.h"
 #include "tools/drive/drive.h"
 
-#define CUT_TRIES 12
 #define NS_PER_MINUTE INT64_C(60000000000)
 
 enum {
@@ -197,30 +196,6 @@ static int out_close(struct out_file *file, bool good)
 
 /* --- the drive --- */
 
-/* Shortens the route until it ends in time. */
-static int fit_minutes(struct drive *drive, struct drive_path *path, struct drive_motion *motion)
-{
-	double wanted_s = drive->options->minutes * 60.0, aim_s = wanted_s - 6.0;
-	for (int i = 0; i < CUT_TRIES && motion->end_s > wanted_s; i++) {
-		size_t at = path->points.count - 1;
-		while (at > 1 && motion->time.items[at] > aim_s)
-			at--;
-		/* Somewhere within a street, not on a corner. */
-		const struct drive_point *point = &path->points.items[at];
-		double length = graph_length_m(&drive->graph, drive->route.halves[point->index]);
-		double along = fmin(fmax(point->along_m, 0.25 * length), 0.75 * length);
-		if (drive_cut(drive, point->index, along))
-			return -1;
-		motion_finish(motion);
-		path_finish(path);
-		guidance_build(&drive->guidance, &drive->route);
-		path_build(drive, path);
-		motion_build(drive, path, motion);
-		aim_s -= 10.0;
-	}
-	return 0;
-}
-
 static int write_files(const struct arguments *arguments, const struct drive *drive, struct drive_motion *motion)
 {
 	struct out_file log, truth = { 0 };
@@ -251,19 +226,14 @@ static int drive_package(struct arguments *arguments, const struct pkg *pkg, str
 {
 	struct drive drive;
 	struct drive_path path = { 0 };
-	struct drive_motion motion;
+	struct drive_motion motion = { 0 };
 	arguments->drive.wall_ns = start_wall_ns(arguments, pkg);
 	if (drive_init(&drive, arena, pkg, &arguments->drive)) {
 		log_error("%s: %s", arguments->package, strerror(ENOMEM));
 		return EXIT_FAILED;
 	}
-	if (drive_choose(&drive))
-		return EXIT_FAILED;
-	guidance_build(&drive.guidance, &drive.route);
-	path_build(&drive, &path);
-	motion_build(&drive, &path, &motion);
 	int status = EXIT_FAILED;
-	if (!arguments->drive.minutes || !fit_minutes(&drive, &path, &motion))
+	if (drive_plan(&drive, &path, &motion) == 0)
 		status = write_files(arguments, &drive, &motion);
 	if (status == EXIT_DONE)
 		log_info("%.2f km, %.1f minutes, %u streets, %u stops", (double)path.points.count * DRIVE_STEP_M * 1e-3,

@@ -4,7 +4,8 @@
  * path.c    the line the car takes: lane centres, rounded corners
  * motion.c  when it is where: limits, curves, signals, stops
  * bus.c     what its bus says: frames by board/profiles/boulevard.dbc
- * All is deterministic by the options.
+ * plan.c    all of these, and cut to the time that is there
+ * All is deterministic by the options. `blvd sim` drives the same car live.
  */
 #ifndef BLVD_TOOLS_DRIVE_DRIVE_H
 #define BLVD_TOOLS_DRIVE_DRIVE_H
@@ -16,6 +17,7 @@
 #include "nav/destination.h"
 #include "nav/guidance.h"
 #include "nav/route.h"
+#include "platform/can/dbc.h"
 #include "tools/city/pool.h"
 
 struct drive_options {
@@ -79,9 +81,10 @@ struct drive_state {
 	double heading_rad, speed_mps, accel_mps2, yaw_rate_rps, curvature, odometer_m;
 	uint32_t half;
 	double along_m;
-	int lamp;     /* -1 left, 1 right */
-	bool parked;  /* gear P */
-	bool driving; /* after the first standing, before the last */
+	int lamp;           /* -1 left, 1 right, 2 both */
+	bool parked;        /* gear P */
+	enum nav_gear gear; /* for a car that is driven by hand; UNKNOWN: P when parked, else D */
+	bool driving;       /* after the first standing, before the last */
 };
 
 struct drive_motion {
@@ -99,6 +102,34 @@ void motion_finish(struct drive_motion *motion);
 
 /* State at a time; times must not go back. */
 struct drive_state motion_at(struct drive_motion *motion, double time_s);
+
+/* What the car's bus says, tick by tick: for whoever takes its frames. */
+#define BUS_TICK_NS INT64_C(10000000)
+
+struct bus_sink {
+	void (*frame)(void *context, const struct can_frame_rx *frame); /* time_ns: since 1970, within its tick */
+	void *context;
+};
+struct bus;
+
+/* `drive` is borrowed; of one without stops no destination is said. NULL, logged, when the definitions are damaged. */
+struct bus *bus_new(const struct drive *drive, const struct bus_sink *sink);
+void bus_free(struct bus *bus); /* NULL is fine */
+
+/* The frames that are due at this tick, counted from the first one. `wall_ns` is now. */
+void bus_tick(struct bus *bus, const struct drive_state *state, int64_t tick, int64_t wall_ns);
+
+/* From now on it says the ignition too: 0 off to 3 start, as POWER.Ignition counts. A log does not. */
+void bus_say_ignition(struct bus *bus, int ignition);
+/* Light instead of the sun's, 0 dark to 1; negative: the sun's. */
+void bus_set_light(struct bus *bus, double light);
+
+/* The definitions by which it speaks. */
+const struct dbc *bus_dbc(const struct bus *bus);
+
+/* Chooses, builds path and motion, and cuts the drive to options->minutes when that is given. Returns 0, or -1 after
+ * logging one line; path and motion may be finished in either case. */
+int drive_plan(struct drive *drive, struct drive_path *path, struct drive_motion *motion);
 
 /* Writes the whole log; `truth` may be NULL. Returns 0 or -errno. */
 int bus_write(const struct drive *drive, struct drive_motion *motion, int log_fd, FILE *truth);
