@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "board/control_keys.h"
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
 
@@ -12,6 +13,7 @@
 #define LONG_MS 700
 #define REPEAT_NS (150 * NS_PER_MS)
 #define BATCH 64
+#define DEVICE_LAG_NS (5 * NS_PER_MS)
 
 static void add_action(struct controls *controls, enum action action)
 {
@@ -32,30 +34,11 @@ enum action controls_next(struct controls *controls)
 	return action;
 }
 
-enum action controls_action_of_key(enum display_key key)
-{
-	static const enum action actions[] = {
-		[DISPLAY_KEY_UP] = ACTION_UP,
-		[DISPLAY_KEY_DOWN] = ACTION_DOWN,
-		[DISPLAY_KEY_LEFT] = ACTION_TURN_LEFT,
-		[DISPLAY_KEY_RIGHT] = ACTION_TURN_RIGHT,
-		[DISPLAY_KEY_ZOOM_IN] = ACTION_ZOOM_IN,
-		[DISPLAY_KEY_ZOOM_OUT] = ACTION_ZOOM_OUT,
-		[DISPLAY_KEY_CAMERA] = ACTION_VIEW,
-		[DISPLAY_KEY_NIGHT] = ACTION_LIGHT,
-		[DISPLAY_KEY_PAUSE] = ACTION_PAUSE,
-		[DISPLAY_KEY_PUSH] = ACTION_PUSH,
-		[DISPLAY_KEY_BACK] = ACTION_BACK,
-		[DISPLAY_KEY_ESCAPE] = ACTION_ESCAPE,
-		[DISPLAY_KEY_QUIT] = ACTION_QUIT,
-	};
-	return (size_t)key < sizeof(actions) / sizeof(*actions) ? actions[key] : ACTION_NONE;
-}
-
 static void turn(struct controls *controls, int detents)
 {
-	if (detents)
-		add_action(controls, (detents > 0) != controls->knob_swapped ? ACTION_TURN_RIGHT : ACTION_TURN_LEFT);
+	enum action action = (detents > 0) != controls->knob_swapped ? ACTION_TURN_RIGHT : ACTION_TURN_LEFT;
+	for (int i = detents < 0 ? -detents : detents; i > 0; i--)
+		add_action(controls, action);
 }
 
 static void press(struct controls *controls, enum control_line role, enum press_kind kind)
@@ -146,6 +129,46 @@ static void take_event(struct controls *controls, const struct gpio_event *event
 		take_level(controls, role);
 }
 
+static void cancel_keys(struct controls *controls)
+{
+	for (int i = 0; i < CONTROL_LINE_COUNT; i++)
+		press_cancel(&controls->key_press[i]);
+}
+
+static void take_key(struct controls *controls, const struct evdev_report *report)
+{
+	enum control_line role = control_of_key(report->key);
+	enum action action = action_of_key(report->key);
+	if (role != CONTROL_LINE_COUNT && report->value != 2)
+		press(controls, role, press_feed(&controls->key_press[role], report->value != 0, report->time_ns));
+	else if (action != ACTION_NONE && report->value != 0)
+		add_action(controls, action);
+}
+
+static void take_report(struct controls *controls, const struct evdev_report *report)
+{
+	if (report->kind == EVDEV_TURN)
+		turn(controls, report->value);
+	else if (report->kind == EVDEV_KEY)
+		take_key(controls, report);
+	else
+		cancel_keys(controls);
+}
+
+static void advance_devices(struct controls *controls, int64_t now_ns)
+{
+	struct evdev_report reports[BATCH];
+	int count = BATCH;
+	while (count == BATCH) {
+		count = evdev_read(controls->devices, reports, BATCH);
+		for (int i = 0; i < count; i++)
+			take_report(controls, &reports[i]);
+	}
+	/* what the thread has not handed over yet is younger than this */
+	for (int i = 0; i < CONTROL_LINE_COUNT; i++)
+		press(controls, (enum control_line)i, press_settle(&controls->key_press[i], now_ns - DEVICE_LAG_NS));
+}
+
 static void settle(struct controls *controls, int64_t now_ns)
 {
 	for (unsigned i = 0; controls->gpio && i < controls->gpio->line_count; i++) {
@@ -170,6 +193,8 @@ void controls_advance(struct controls *controls, int64_t now_ns)
 			take_event(controls, &events[i]);
 	}
 	settle(controls, now_ns);
+	if (controls->devices)
+		advance_devices(controls, now_ns);
 }
 
 static const char *line_fault(enum control_line role, enum gpio_state state)
@@ -199,18 +224,32 @@ const char *controls_fault(const struct controls *controls)
 		if (words)
 			return words;
 	}
-	return NULL;
+	switch (controls->devices ? evdev_worst(controls->devices) : EVDEV_GOOD) {
+	case EVDEV_BUSY:
+		return "Controls in use elsewhere";
+	case EVDEV_GONE:
+	case EVDEV_REFUSED:
+		return "Controls lost";
+	default:
+		return NULL;
+	}
 }
 
+/* Also where the profile has no such line: keys of devices are judged by the same lengths. */
 static void set_times(struct controls *controls, enum control_line role, const struct profile_line *line)
 {
-	int32_t hold_ms = line->debounce_ms, long_ms = line->long_ms >= 0 ? line->long_ms : LONG_MS;
-	if (hold_ms < 0)
-		hold_ms = role <= CONTROL_NIGHT ? DEBOUNCE_CAR_MS : DEBOUNCE_MS;
+	bool said = line->line > 0;
+	int32_t hold_ms = role <= CONTROL_NIGHT ? DEBOUNCE_CAR_MS : DEBOUNCE_MS, long_ms = LONG_MS;
+	if (said && line->debounce_ms >= 0)
+		hold_ms = line->debounce_ms;
+	if (said && line->long_ms >= 0)
+		long_ms = line->long_ms;
+	struct press *held = &controls->press[role];
 	controls->contact[role].hold_ns = hold_ms * NS_PER_MS;
-	controls->press[role].long_ns = long_ms * NS_PER_MS;
+	held->long_ns = long_ms * NS_PER_MS;
 	if (role == CONTROL_ZOOM_IN || role == CONTROL_ZOOM_OUT)
-		controls->press[role].repeat_ns = REPEAT_NS;
+		held->repeat_ns = REPEAT_NS;
+	controls->key_press[role] = *held;
 }
 
 /* The script of "sim:FILE", "" for "sim" alone; NULL for a real chip. */
@@ -244,21 +283,17 @@ static bool wanted(const struct profile *profile, int role, bool scripted)
 	return profile->gpio.lines[role].line > 0 || (scripted && role != CONTROL_IGNITION);
 }
 
-int controls_open(struct controls *controls, const struct options *options, const struct profile *profile,
-	bool simulated, int64_t now_ns, struct arena *arena)
+static int open_lines(struct controls *controls, const struct options *options, const struct profile *profile,
+	bool simulated, struct arena *arena)
 {
 	struct gpio_line_config lines[GPIO_LINES_MAX];
-	const char *names[GPIO_LINES_MAX];
-	const char *script = sim_script(options);
+	const char *names[GPIO_LINES_MAX], *script = sim_script(options);
 	unsigned count = 0;
-	*controls = (struct controls){ .knob_swapped = profile->gpio.rotary_swapped, .now_ns = now_ns };
 	quadrature_init(&controls->knob, script ? 4 : profile->gpio.rotary_steps);
 	for (int role = 0; role < CONTROL_LINE_COUNT; role++) {
 		const struct profile_line *line = &profile->gpio.lines[role];
 		if (!wanted(profile, role, script != NULL))
 			continue;
-		set_times(controls, (enum control_line)role,
-			line->line ? line : &(struct profile_line){ .debounce_ms = -1, .long_ms = -1 });
 		lines[count] = line->at;
 		if (options->gpio)
 			lines[count].chip = options->gpio;
@@ -276,13 +311,28 @@ int controls_open(struct controls *controls, const struct options *options, cons
 		.line_count = count,
 		.script = script && *script ? script : NULL,
 		.names = names,
-		.start_ns = now_ns,
+		.start_ns = controls->now_ns,
 	};
 	return gpio_open(&controls->gpio, ops, &config, arena);
+}
+
+int controls_open(struct controls *controls, const struct options *options, const struct profile *profile,
+	bool simulated, int64_t now_ns, struct arena *arena)
+{
+	const struct profile_gpio *gpio = &profile->gpio;
+	*controls = (struct controls){ .knob_swapped = gpio->rotary_swapped, .now_ns = now_ns };
+	for (int role = 0; role < CONTROL_LINE_COUNT; role++)
+		set_times(controls, (enum control_line)role, &gpio->lines[role]);
+	int status = open_lines(controls, options, profile, simulated, arena);
+	if (status == 0 && gpio->device_count && !simulated && !options->replay)
+		status = evdev_open(&controls->devices, gpio->devices, gpio->device_count, arena);
+	return status;
 }
 
 void controls_close(struct controls *controls)
 {
 	gpio_close(controls->gpio);
+	evdev_close(controls->devices);
 	controls->gpio = NULL;
+	controls->devices = NULL;
 }

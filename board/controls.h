@@ -16,6 +16,7 @@
 #include "platform/gpio/gpio.h"
 #include "platform/gpio/press.h"
 #include "platform/gpio/quadrature.h"
+#include "platform/input/evdev.h"
 
 enum action {
 	ACTION_NONE,
@@ -56,6 +57,8 @@ struct controls {
 	struct press press[CONTROL_LINE_COUNT];
 	struct quadrature knob;
 	bool knob_swapped;
+	struct evdev *devices; /* NULL: none in the profile */
+	struct press key_press[CONTROL_LINE_COUNT];
 	enum action queue[CONTROLS_QUEUE]; /* ring */
 	uint32_t queue_first, queue_count;
 	uint64_t actions_dropped;

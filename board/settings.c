@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#define KEY_ZOOM 1.25
+#define BUTTON_ZOOM 1.25
 
 void settings_init(struct settings *settings, const struct profile *profile, const struct options *options)
 {
@@ -77,11 +77,11 @@ bool settings_act(struct settings *settings, enum action action)
 		return true;
 	case ACTION_UP:
 	case ACTION_ZOOM_IN:
-		settings_zoom(settings, KEY_ZOOM);
+		settings_zoom(settings, BUTTON_ZOOM);
 		return true;
 	case ACTION_DOWN:
 	case ACTION_ZOOM_OUT:
-		settings_zoom(settings, 1.0 / KEY_ZOOM);
+		settings_zoom(settings, 1.0 / BUTTON_ZOOM);
 		return true;
 	case ACTION_VIEW:
 		settings->view = (enum camera_kind)((settings->view + 1) % CAMERA_KIND_COUNT);
