@@ -343,7 +343,7 @@ static bool is_night(const struct machine *m)
 
 static void draw_map(struct machine *m, int64_t now_ns, const struct nav_view *view)
 {
-	struct overlay_driver driver = settings_driver(&m->settings);
+	struct overlay_driver driver = settings_driver(&m->settings, &m->controls.state);
 	driver.menu = menu_step(&m->menu, fabs(view->speed_mps) > MOVING_MPS, m->controls.now_ns);
 	driver.devices = controls_fault(&m->controls);
 	struct renderer_time time = {

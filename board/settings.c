@@ -41,12 +41,12 @@ void settings_zoom(struct settings *settings, double factor)
 	settings->zoom = fmin(SETTINGS_ZOOM_MAX, fmax(SETTINGS_ZOOM_MIN, settings->zoom * factor));
 }
 
-struct overlay_driver settings_driver(const struct settings *settings)
+struct overlay_driver settings_driver(const struct settings *settings, const struct controls_state *car)
 {
 	return (struct overlay_driver){
 		.units = settings->units,
 		.no_names = !settings->names,
-		.light_chosen = settings->light != LIGHT_AUTO,
+		.light_chosen = settings->light != LIGHT_AUTO || car->night.on,
 	};
 }
 

@@ -33,7 +33,7 @@ void settings_zoom(struct settings *settings, double factor);
 void settings_apply(const struct settings *settings, struct renderer *renderer);
 
 /* What of them the overlay shows; the menu and states are the caller's to add. */
-struct overlay_driver settings_driver(const struct settings *settings);
+struct overlay_driver settings_driver(const struct settings *settings, const struct controls_state *car);
 /* The night look is asked for: by choice, or by the car's lamps. */
 bool settings_night(const struct settings *settings, const struct controls_state *car);
 

@@ -30,7 +30,7 @@ struct overlay_driver {
 	const char *devices;          /* what is wrong with controls and lines, NULL nothing */
 	enum wording_units units;     /* UNITS_AUTO: the country's */
 	bool no_names;                /* of streets */
-	bool light_chosen;            /* day or night by choice: `daylight` alone counts */
+	bool light_chosen;            /* day or night by choice or by the car's lamps: `daylight` alone counts */
 };
 
 struct overlay_input {

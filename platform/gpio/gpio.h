@@ -5,7 +5,7 @@
  * lines together, but where the kernel itself is late with one.
  *
  * A line that another process holds, a chip that is not there or goes away are states, never errors: the
- * implementation tries again about every second until the line is there, and says so by an event of its own. After an
+ * implementation tries again twice a second until the line is there, and says so by an event of its own. After an
  * event of kind GPIO_LEVEL nothing is known of the edges before it: at the start, after a recovery, or when edges came
  * faster than they were taken. One thread at a time.
  */

@@ -4,9 +4,9 @@
  * stamps; because the lines are read one after the other, an event is held back for SETTLE_NS, in which an older one of
  * another line may still turn up.
  *
- * The thread also asks again for lines that could not be had, and looks every second whether the others are still what
- * they were: a chip that goes away wakes nobody in kernels before 6.5, and an edge that was lost leaves no trace but
- * the level.
+ * The thread also asks again for lines that could not be had, and looks twice a second whether the others are still
+ * what they were: a chip that goes away wakes nobody in kernels before 6.5, and an edge that was lost leaves no trace
+ * but the level.
  */
 #ifdef BLVD_HAVE_GPIOD
 #include <assert.h>
@@ -27,7 +27,7 @@
 #define RING_SIZE 4096
 #define PENDING_MAX 256
 #define SETTLE_NS NS_PER_MS
-#define LOOK_NS NS_PER_S
+#define LOOK_NS (500 * NS_PER_MS)
 #define DOUBT_NS (30 * NS_PER_MS)
 #define ROUNDS_MAX 4 /* then the other lines have their turn */
 #define FULL_PAUSE_NS (10 * NS_PER_MS)
@@ -231,7 +231,7 @@ static void drain(struct gpio_kernel *kernel, unsigned index)
 		kernel->look_ns = clock_now_ns() + DOUBT_NS;
 }
 
-/* Once a second: what is missing, what has changed unseen, what could not be told. */
+/* Twice a second: what is missing, what has changed unseen, what could not be told. */
 static void look_round(struct gpio_kernel *kernel, int64_t now_ns)
 {
 	kernel->look_ns = now_ns + LOOK_NS;

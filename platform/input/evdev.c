@@ -20,7 +20,7 @@
 
 #define RING_SIZE 1024
 #define BATCH 64
-#define LOOK_NS NS_PER_S
+#define LOOK_NS (500 * NS_PER_MS)
 #define NODES_MAX 64 /* looked through for a name */
 #define STACK_BYTES (128u << 10)
 

@@ -1,8 +1,8 @@
 /*
  * Input devices of the kernel (evdev): a rotary encoder of its rotary-encoder driver, buttons of gpio-keys, a remote
  * control, a keyboard. A thread of its own takes the events as they come, because the kernel keeps few. A device that
- * is not there, goes away or belongs to another process alone is a state, told by an event; it is tried again every
- * second. Times are the kernel's, on the clock of clock_now_ns(). One thread at a time but for the one inside.
+ * is not there, goes away or belongs to another process alone is a state, told by an event; it is tried again twice
+ * a second. Times are the kernel's, on the clock of clock_now_ns(). One thread at a time but for the one inside.
  */
 #ifndef BLVD_PLATFORM_INPUT_EVDEV_H
 #define BLVD_PLATFORM_INPUT_EVDEV_H

@@ -1,9 +1,19 @@
-# The golden scenes, all of tests/tools/data/crossing.osm: pictures BUILD SOURCE FOLDER writes five PNGs of 480x270.
+# The golden scenes, all of tests/tools/data/crossing.osm: pictures BUILD SOURCE FOLDER writes seven PNGs, of 480x270 and 640x360.
 # shellcheck shell=sh disable=SC2034 # scenes is for those who read this file
-scenes='street junction park night replay'
+scenes='street junction park night replay menu menu-night'
 
 still() {
 	"$build/tools/blvd" shot city.blvd --size 480x270 "$@"
+}
+
+# Frame 10 of the same drive, with the menu open: menu NAME SCRIPT_LINE...
+menu() {
+	name=$1
+	shift
+	printf '%s\n' "$@" >script &&
+		"$build/board/boulevard" city.blvd --replay drive.candump --headless --size 640x360 --fps 5 --limit 11 \
+			--every 10 --frames menu --gpio sim:script &&
+		mv "$(find menu -name '*.png' | sort | tail -n 1)" "$name.png"
 }
 
 # Frame 60, twelve seconds into the drive.
@@ -23,7 +33,10 @@ pictures() {
 			still --pose=-62,-97,9,12,-13 -o junction.png &&
 			still --pose=-30,45,55,308,-32 -o park.png &&
 			still --camera driver --pose=-53,-140,0,0,0 --time 23:30 -o night.png &&
-			replay
+			replay &&
+			menu menu '0.2 push 1' '0.3 push 0' '0.5 knob +1' &&
+			menu menu-night '0 night 1' '0.2 push 1' '0.3 push 0' '0.5 knob +2' '0.7 push 1' '0.8 push 0' \
+				'1.0 knob +4' '1.1 view gone'
 	) >"$3/log" 2>&1 || {
 		cat "$3/log"
 		return 1

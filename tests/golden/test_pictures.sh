@@ -1,5 +1,5 @@
 #!/bin/sh
-# Five pictures of a small made-up town against the committed ones. On the Mesa that drew those (tests/golden/renderer)
+# Seven pictures of a small made-up town against the committed ones. On the Mesa that drew those (tests/golden/renderer)
 # 99.5 % of the pixels are within 2 of 255 and the mean FLIP is at most 0.01; on any other renderer, where edges and
 # texture filters round otherwise, 80 % and 0.05. For scale: no multisampling at all gives 95 % and 0.015, an eye turned
 # by 0.2 degrees 79.7 % and 0.059, moved by 20 cm 68 % and 0.09. A failure leaves the picture, its difference and its FLIP map in
