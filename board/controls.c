@@ -17,6 +17,7 @@
 
 static void add_action(struct controls *controls, enum action action)
 {
+	controls->actions++;
 	if (controls->queue_count == CONTROLS_QUEUE) {
 		controls->actions_dropped++;
 		return;
@@ -233,6 +234,24 @@ const char *controls_fault(const struct controls *controls)
 	default:
 		return NULL;
 	}
+}
+
+void controls_stats(const struct controls *controls, struct control_stats *out)
+{
+	const struct controls_state *state = &controls->state;
+	*out = (struct control_stats){
+		.configured = controls->gpio || controls->devices,
+		.actions = controls->actions,
+		.dropped = controls->actions_dropped,
+		.fault = controls_fault(controls),
+		.reverse = state->reverse.on,
+		.ignition = state->ignition.on,
+	};
+	if (!controls->gpio)
+		return;
+	out->edges = controls->gpio->stats.edges;
+	out->resyncs = controls->gpio->stats.resyncs;
+	out->losses = controls->gpio->stats.losses;
 }
 
 /* Also where the profile has no such line: keys of devices are judged by the same lengths. */

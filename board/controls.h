@@ -11,6 +11,7 @@
 
 #include "board/options.h"
 #include "board/profile.h"
+#include "board/stats.h"
 #include "platform/display/display.h"
 #include "platform/gpio/debounce.h"
 #include "platform/gpio/gpio.h"
@@ -61,7 +62,7 @@ struct controls {
 	struct press key_press[CONTROL_LINE_COUNT];
 	enum action queue[CONTROLS_QUEUE]; /* ring */
 	uint32_t queue_first, queue_count;
-	uint64_t actions_dropped;
+	uint64_t actions, actions_dropped;
 	int64_t now_ns;
 };
 
@@ -81,6 +82,9 @@ enum action controls_next(struct controls *controls);
 
 /* What a key of the window's keyboard means. */
 enum action controls_action_of_key(enum display_key key);
+
+/* Counts and states for the statistics; the settings' part is not ours. */
+void controls_stats(const struct controls *controls, struct control_stats *out);
 
 /* What is wrong with the lines, in words for the driver; NULL when nothing is. */
 const char *controls_fault(const struct controls *controls);

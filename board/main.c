@@ -255,6 +255,10 @@ static void gather_stats(struct machine *m)
 	s->allocations_after_start = m->boot.late;
 	inputs_stats(&m->inputs, s);
 	reverse_stats(&m->reverse, &s->camera);
+	controls_stats(&m->controls, &s->controls);
+	s->controls.view = camera_name(m->settings.view);
+	s->controls.zoom = m->settings.zoom;
+	s->controls.menu_open = m->menu.open;
 }
 
 static void write_stats(struct machine *m)

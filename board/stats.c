@@ -99,6 +99,21 @@ static void print_camera(FILE *to, const struct camera_stats *c)
 		(double)histogram_quantile(&c->edge_ns, 0.5) / 1e6, (double)c->edge_ns.max / 1e6);
 }
 
+static void print_controls(FILE *to, const struct control_stats *c)
+{
+	fprintf(to,
+		"  \"controls\": {\"edges\": %llu, \"resyncs\": %llu, \"losses\": %llu, \"actions\": %llu, \"dropped\": %llu, "
+		"\"fault\": ",
+		(unsigned long long)c->edges, (unsigned long long)c->resyncs, (unsigned long long)c->losses,
+		(unsigned long long)c->actions, (unsigned long long)c->dropped);
+	if (c->fault)
+		print_string(to, c->fault);
+	else
+		fputs("null", to);
+	fprintf(to, ",\n    \"view\": \"%s\", \"zoom\": %.4f, \"menu\": %s, \"reverse\": %s, \"ignition\": %s},\n", c->view,
+		c->zoom, c->menu_open ? "true" : "false", c->reverse ? "true" : "false", c->ignition ? "true" : "false");
+}
+
 void stats_print_json(const struct stats *s, FILE *to)
 {
 	fprintf(to, "{\n  \"frames\": %llu,\n  \"renderer\": ", (unsigned long long)s->frames);
@@ -128,6 +143,8 @@ void stats_print_json(const struct stats *s, FILE *to)
 		(unsigned long long)s->can_frames_lost, (unsigned long long)s->can_errors, s->can_cpu_ms);
 	fprintf(to, "  \"record\": {\"lines\": %llu, \"lost\": %llu},\n", (unsigned long long)s->record_lines,
 		(unsigned long long)s->record_lost);
+	if (s->controls.configured)
+		print_controls(to, &s->controls);
 	if (s->camera.configured)
 		print_camera(to, &s->camera);
 	fprintf(to, "  \"vehicle\": {\"frames_in\": %llu, \"frames_bad\": %llu, \"stale_ms_max\": %lld}\n}\n",

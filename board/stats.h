@@ -39,6 +39,19 @@ struct camera_stats {
 	struct histogram edge_ns; /* from reverse put in to the first live picture on the screen */
 };
 
+/* What the driver's hands did, and what that made of the settings. */
+struct control_stats {
+	bool configured;  /* there are lines or devices */
+	uint64_t edges;   /* of lines */
+	uint64_t resyncs; /* levels read because edges may have been lost, and once for each line at the start */
+	uint64_t losses;  /* times that a line was lost */
+	uint64_t actions, dropped;
+	const char *fault; /* in words, NULL none */
+	const char *view;
+	double zoom;
+	bool menu_open, reverse, ignition;
+};
+
 struct stats {
 	struct histogram frame_ns, triangles, far_triangles, draws;
 	uint64_t frames;
@@ -63,6 +76,7 @@ struct stats {
 	int64_t stale_ns_max;
 	uint64_t reroutes, off_street_frames;
 	struct camera_stats camera;
+	struct control_stats controls;
 };
 
 void stats_print_json(const struct stats *stats, FILE *to);
