@@ -1,0 +1,122 @@
+/*
+ * A full bus: sends numbered frames at a steady rate, and counts in a recording which of them are missing.
+ *   can_load INTERFACE RATE SECONDS     identifiers 600 to 6FF; prints how many were sent
+ *   can_load --check LOG...             in the order of time; prints lines, and numbers that are missing or doubled
+ */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "platform/base/clock.h"
+#include "platform/can/can_bus.h"
+
+#define FIRST_ID 0x600u
+#define ID_MASK 0x700u
+
+#define BURST_S 0.02
+
+/* Many small bursts; one frame at a time would ask more of the clock than of the bus. After a pause that was not ours
+ * (the machine did something else) the rate goes on: no bus makes up for lost time. */
+static int send_all(struct can_bus *bus, double rate, double seconds)
+{
+	uint32_t sent = 0, total = (uint32_t)(rate * seconds), waits = 0;
+	int64_t start_ns = clock_now_ns(), paused_ns = 0;
+	while (sent < total) {
+		int64_t now_ns = clock_now_ns();
+		uint32_t due = (uint32_t)((double)(now_ns - start_ns - paused_ns) * rate / 1e9);
+		if (due - sent > rate * BURST_S) {
+			paused_ns += (int64_t)((due - sent - rate * BURST_S) / rate * 1e9);
+			due = sent + (uint32_t)(rate * BURST_S);
+		}
+		for (; sent < due && sent < total; sent++) {
+			struct can_frame_rx frame = { .id = FIRST_ID | (sent & 0xFF), .len = 8 };
+			memcpy(frame.data, &sent, sizeof(sent));
+			int status;
+			while ((status = can_bus_write(bus, &frame)) == -ENOBUFS) {
+				waits++;
+				clock_sleep_until(clock_now_ns() + NS_PER_MS / 4);
+			}
+			if (status < 0) {
+				fprintf(stderr, "can_load: cannot send: %s\n", strerror(-status));
+				return 1;
+			}
+		}
+		clock_sleep_until(now_ns + NS_PER_MS);
+	}
+	double took_s = (double)(clock_now_ns() - start_ns) / 1e9;
+	printf("{\"sent\": %u, \"seconds\": %.2f, \"rate\": %.0f, \"waits\": %u, \"cpu_ms\": %.0f}\n", sent, took_s,
+		sent / took_s, waits, (double)clock_cpu_ns() / 1e6);
+	return 0;
+}
+
+static int load(const char *interface, double rate, double seconds)
+{
+	static _Alignas(64) uint8_t memory[1 << 20];
+	const struct can_bus_filter none = { .id = 0 };
+	struct can_bus_config config = {
+		.interfaces = &interface, .interface_count = 1, .filters = &none, .filter_count = 1
+	};
+	struct arena arena;
+	struct can_bus *bus;
+	arena_init(&arena, "load", memory, sizeof(memory));
+	bool local = strchr(interface, ':') != NULL;
+	int status = can_bus_open(&bus, local ? &can_socket_ops : &can_socketcan_ops, &config, &arena);
+	if (status) {
+		fprintf(stderr, "can_load: %s: %s\n", interface, strerror(-status));
+		return 1;
+	}
+	status = send_all(bus, rate, seconds);
+	can_bus_close(bus);
+	return status;
+}
+
+struct count {
+	uint64_t lines, numbered, missing, doubled;
+	uint32_t next;
+};
+
+static int check_file(const char *path, struct count *count)
+{
+	char line[CANDUMP_LINE_SIZE];
+	FILE *file = fopen(path, "r");
+	if (!file) {
+		fprintf(stderr, "can_load: %s: %s\n", path, strerror(errno));
+		return 1;
+	}
+	while (fgets(line, sizeof(line), file)) {
+		struct candump_record record;
+		uint32_t number;
+		count->lines++;
+		if (candump_parse(line, strcspn(line, "\n"), &record) || (record.frame.id & ID_MASK) != FIRST_ID)
+			continue;
+		memcpy(&number, record.frame.data, sizeof(number));
+		count->numbered++;
+		if (number < count->next)
+			count->doubled++;
+		else
+			count->missing += number - count->next;
+		count->next = number + 1;
+	}
+	fclose(file);
+	return 0;
+}
+
+int main(int argc, char **argv)
+{
+	if (argc >= 3 && !strcmp(argv[1], "--check")) {
+		struct count count = { 0 };
+		for (int i = 2; i < argc; i++)
+			if (check_file(argv[i], &count))
+				return 1;
+		printf("{\"lines\": %llu, \"numbered\": %llu, \"missing\": %llu, \"doubled\": %llu}\n",
+			(unsigned long long)count.lines, (unsigned long long)count.numbered, (unsigned long long)count.missing,
+			(unsigned long long)count.doubled);
+		return 0;
+	}
+	if (argc != 4 || atof(argv[2]) <= 0.0 || atof(argv[3]) <= 0.0) {
+		fprintf(stderr, "usage: can_load INTERFACE RATE SECONDS | can_load --check LOG...\n");
+		return 2;
+	}
+	return load(argv[1], atof(argv[2]), atof(argv[3]));
+}
