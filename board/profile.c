@@ -572,6 +572,7 @@ static void defaults(struct profile *out, const char *path)
 		.steering_ratio = 15.0,
 		.width_m = 1.8,
 		.rear_overhang_m = 1.0,
+		.obd_rate_hz = 5.0,
 		.gpio = { .rotary_steps = 4 },
 		.camera = { .width = 1280,
 			.height = 720,

@@ -1,6 +1,6 @@
 #include "platform/can/obd.h"
 
-#include <string.h>
+#include <assert.h>
 
 #define NS_PER_S INT64_C(1000000000)
 #define ANSWER_NS (NS_PER_S / 5) /* a unit has 50 ms; gateways take longer */
@@ -19,6 +19,7 @@ void obd_init(struct obd *obd, const struct obd_config *config, int64_t now_ns)
 	*obd = (struct obd){ .config = *config, .asked_ns = INT64_MIN, .next_ns = now_ns };
 	if (obd->config.pid_count > OBD_PIDS_MAX)
 		obd->config.pid_count = OBD_PIDS_MAX;
+	assert(config->pid_count == 0 || config->rate_hz > 0.0);
 	obd->extended = config->addressing == OBD_ADDRESSING_29;
 }
 

@@ -123,6 +123,8 @@ static const struct fault_case {
 	{ "[memory]\nbudget_mib = 1e99\n", 2, "16 to 65536" },
 	{ "[car]\nspeed_signed = maybe\n", 2, "yes or no" },
 	{ "[start]\nlatitude = 91\n", 2, "-90 to 90" },
+	{ "[obd]\nrate_hz = 0\n", 2, "0.1 to 20" },
+	{ "[obd]\naddressing = 12bit\n", 2, "auto, 11bit, 29bit" },
 	{ "[display]\nwidth\n", 2, "neither" },
 	{ "[display\nwidth = 100\n", 1, "neither" },
 	{ "[can]\ninterfaces = a_name_that_is_too_long\n", 2, "longer than 15" },
@@ -174,6 +176,8 @@ static const struct fault_case car_faults[] = {
 	{ CAN "speed = MOTION.Speed counter=Gear\n", 5, "no signal 'Gear'" },
 	{ CAN "gear = MOTION.Speed\n", 5, "no value table" },
 	{ CAN "gear = DRIVETRAIN.Gear map=0:up\n", 5, "'up' is no gear" },
+	{ CAN "speed = MOTION.Speed\n[obd]\ninterface = can0\n", 7, "nothing to ask for" },
+	{ CAN "speed = MOTION.Speed\n[obd]\nrate_hz = 2\ninterface = can1\n", 8, "interface 'can1'" },
 	{ "[can]\ndbc = /nonexistent.dbc\n", 0, "/nonexistent.dbc: No such file" },
 	{ "[can]\ndbc = /tmp\n", 0, "/tmp: Is a directory" },
 	{ "[can]\ndbc = /dev/null\n", 0, "/dev/null:0: no message" },
@@ -227,6 +231,27 @@ static void options_replace_definitions_and_interfaces(void **state)
 	assert_int_equal(car.filter_count, 2); /* MOTION and DESTINATION */
 }
 
+static void a_car_is_asked_for_what_the_signals_need(void **state)
+{
+	(void)state;
+	assert_int_equal(
+		parse(NULL, "[can]\ndbc = builtin:boulevard builtin:obd2\ninterfaces = can0 car=unix:/run/car.sock\n"
+					"[obd]\ninterface = car\naddressing = 29bit\n"
+					"[signals]\nspeed = OBD2.VehicleSpeed bus=car\nodometer = OBD2.Odometer\ngear = "
+					"DRIVETRAIN.Gear\n"),
+		0);
+	assert_int_equal(car_init(&car, &profile, NULL, 0, NULL, 0, &arena), 0);
+	assert_int_equal(car.obd.bus, 1);
+	assert_int_equal(car.obd.pid_count, 2);
+	assert_int_equal(car.obd.pids[0], 0x0D);
+	assert_int_equal(car.obd.pids[1], 0xA6);
+	assert_true(car.obd.rate_hz == 5.0 && car.obd.addressing == OBD_ADDRESSING_29);
+	assert_int_equal(car.vehicle.inputs[VEHICLE_SPEED].bus, 1);
+	assert_int_equal(parse(NULL, CAN "speed = MOTION.Speed\n"), 0);
+	assert_int_equal(car_init(&car, &profile, NULL, 0, NULL, 0, &arena), 0);
+	assert_int_equal(car.obd.pid_count, 0); /* without the section nothing is ever asked */
+}
+
 static void limits_and_units_go_together(void **state)
 {
 	(void)state;
@@ -269,6 +294,7 @@ int main(void)
 		cmocka_unit_test(wrong_lines_are_named),
 		cmocka_unit_test(names_that_lead_nowhere_are_named),
 		cmocka_unit_test(options_replace_definitions_and_interfaces),
+		cmocka_unit_test(a_car_is_asked_for_what_the_signals_need),
 		cmocka_unit_test(limits_and_units_go_together),
 		cmocka_unit_test(damaged_profiles_never_crash),
 	};
