@@ -19,16 +19,21 @@ static int open_bus(struct inputs *inputs, const struct options *options, struct
 		.filters = inputs->car.filters,
 		.filter_count = options->record ? 0 : inputs->car.filter_count, /* a recording holds everything */
 	};
-	if (!options->replay && !options->can_count)
+	/* the built-in profile is for drives without a car; one that was chosen knows its interfaces */
+	bool from_profile = options->profile && config.interface_count > 0;
+	if (!options->replay && !options->can_count && !from_profile)
 		return 0;
 	const struct can_bus_ops *ops = options->replay ? &can_replay_ops : &can_live_ops;
 	int status = can_bus_open(&inputs->bus, ops, &config, arena);
-	const char *what = options->replay ? options->replay : options->can[0];
+	const char *what = options->replay ? options->replay : config.interfaces[0];
 	if (status == -ENODATA)
 		log_error("%s: not a single CAN frame in it", what);
 	else if (status < 0)
 		log_error("%s: cannot open: %s", what, strerror(-status));
-	return status;
+	/* A board whose kernel has no CAN still shows its picture, and says so in it. */
+	inputs->bus_missing = status < 0 && !options->replay && !options->can_count;
+	inputs->bus_missing_ns = clock_now_ns();
+	return inputs->bus_missing ? 0 : status;
 }
 
 /* Of a live bus the newest are kept, within bounds; of a replay everything. */
@@ -176,10 +181,13 @@ static void tell_bus(const struct inputs *inputs, int64_t now_ns, struct nav_vie
 		if (states[interface->health] > (worst ? states[worst->health] : NAV_BUS_GOOD))
 			worst = interface;
 	}
-	out->bus = worst ? states[worst->health] : NAV_BUS_GOOD;
-	out->bus_age_ns = worst && now_ns > worst->health_ns ? now_ns - worst->health_ns : 0;
 	memset(out->bus_name, 0, sizeof(out->bus_name));
-	if (worst)
+	out->bus = inputs->bus_missing ? NAV_BUS_DOWN : worst ? states[worst->health] : NAV_BUS_GOOD;
+	int64_t since_ns = inputs->bus_missing ? inputs->bus_missing_ns : worst ? worst->health_ns : now_ns;
+	out->bus_age_ns = now_ns > since_ns ? now_ns - since_ns : 0;
+	if (inputs->bus_missing)
+		can_bus_short_name(inputs->car.interfaces[0], out->bus_name);
+	else if (worst)
 		memcpy(out->bus_name, worst->name, sizeof(out->bus_name));
 }
 

@@ -26,6 +26,8 @@ struct inputs {
 	struct nav nav;         /* nav.pkg NULL: no map yet */
 	struct obd obd;
 	struct can_bus *bus;         /* NULL: no car, the view stands still */
+	bool bus_missing;            /* there should be a car, but this kernel has no CAN */
+	int64_t bus_missing_ns;      /* since then */
 	struct can_record *recorder; /* NULL: not recording */
 	int64_t now_ns;              /* how far the navigation has got */
 	int read_error;              /* first -errno of the bus; it is not read again after that */

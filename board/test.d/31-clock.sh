@@ -1,0 +1,20 @@
+#!/bin/sh
+# short: the clock is set back a year, and forward two
+unit_start --display kms
+drive_start 20
+heard() { [ "$(stat_of .vehicle.frames_in)" -gt "${1:-0}" ]; }
+check 'the car is heard' within 10 heard
+for step in '1 year ago' '2 years' '1 year ago'; do
+	before=$(stat_of .vehicle.frames_in)
+	stale_before=$(stat_of .vehicle.stale_ms_max)
+	watch_start 4
+	sleep 0.5
+	date -s "$step" >/dev/null
+	check "clock to '$step': the car is heard within 2 s" within 2 heard "$((before + 20))"
+	gap=$(watch_end)
+	check "clock to '$step': no picture takes 2 s" at_most 2000 "$gap"
+	note "longest time without a picture, clock to '$step', ms" "$gap"
+	check "clock to '$step': no signal has become older" at_most "$((stale_before + 1000))" "$(stat_of .vehicle.stale_ms_max)"
+done
+screen clock
+check 'nothing was restarted' test "$(unit_restarts)" = 0
