@@ -17,6 +17,7 @@
 #include "render/marker.h"
 #include "render/near_mesh.h"
 #include "render/overlay.h"
+#include "render/place_disc.h"
 #include "render/scene.h"
 #include "render/sky.h"
 #include "render/submit.h"
@@ -52,6 +53,7 @@ struct renderer {
 	struct sky sky;
 	struct backdrop backdrop;
 	struct marker marker;
+	struct place_disc place_disc;
 	struct overlay overlay;
 	struct frame_truth truth;
 	struct camera camera;
@@ -103,6 +105,8 @@ static int make_objects(struct renderer *renderer, struct arena *arena)
 		err = backdrop_init(&renderer->backdrop, renderer->gfx, renderer->pkg);
 	if (!err)
 		err = marker_init(&renderer->marker, renderer->gfx);
+	if (!err)
+		err = place_disc_init(&renderer->place_disc, renderer->gfx);
 	if (!err && config->truth)
 		err = frame_truth_init(&renderer->truth, renderer->gfx, config->width, config->height);
 	return err;
@@ -383,6 +387,16 @@ static void draw_in_slices(
 	}
 }
 
+static void draw_place_disc(struct renderer *renderer, const struct nav_view *nav)
+{
+	place_disc_update(&renderer->place_disc, nav);
+	for (int slice = VIEW_SLICE_COUNT - 1; slice >= 0; slice--) {
+		const struct view_slice *depth = &renderer->view.slice[slice];
+		gfx_depth_range(renderer->gfx, depth->depth_near, depth->depth_far);
+		place_disc_draw(&renderer->place_disc, &renderer->view, (enum view_slice_id)slice, nav, renderer->light.night);
+	}
+}
+
 static void draw_pass(struct renderer *renderer, const struct nav_view *nav)
 {
 	struct gfx *gfx = renderer->gfx;
@@ -395,6 +409,8 @@ static void draw_pass(struct renderer *renderer, const struct nav_view *nav)
 		repr->ops->draw(repr, &renderer->view, renderer->frame_block);
 	sky_draw(&renderer->sky, &renderer->view, &renderer->light, renderer->frame_block);
 	backdrop_draw(&renderer->backdrop, &renderer->view, renderer->frame_block);
+	if (nav)
+		draw_place_disc(renderer, nav);
 	if (overlay)
 		draw_in_slices(renderer, overlay_draw_world);
 	if (nav)

@@ -1,5 +1,6 @@
 /* What is wrong, in words: inputs at the top right, messages above the bottom row. Nothing when all is well. */
 #include <math.h>
+#include <string.h>
 
 #include "render/hud.h"
 
@@ -29,11 +30,22 @@ static float pill_width(const struct hud *hud, const struct text_line *line)
 	return text_width_em(hud->font, line) * 26.0f * hud->scale + 82.0f * hud->scale;
 }
 
+/* What is wrong with an input, and what that does to the position; or the position alone. */
+static bool words_of_car(char *out, const struct hud *hud)
+{
+	char words[WORDING_MAX] = "";
+	bool input = wording_inputs(words, hud->nav);
+	if (wording_place(out, hud->nav, hud->units, input ? words : NULL))
+		return true;
+	memcpy(out, words, sizeof(words));
+	return input;
+}
+
 /* Beside the compass if that is free, else below it and the manoeuvre card. */
 void hud_status(struct hud *hud)
 {
 	char words[WORDING_MAX];
-	bool of_car = wording_inputs(words, hud->nav);
+	bool of_car = words_of_car(words, hud);
 	if (!of_car && !hud->devices)
 		return;
 	struct text_line line = text_line_utf8(of_car ? words : hud->devices);

@@ -178,3 +178,21 @@ bool wording_inputs(char *out, const struct nav_view *nav)
 			return true;
 	return false;
 }
+
+bool wording_place(char *out, const struct nav_view *nav, enum wording_units units, const char *after)
+{
+	const struct nav_doubt *doubt = &nav->doubt;
+	bool remembered = doubt->place == NAV_PLACE_REMEMBERED && doubt->major_m > DOUBT_M;
+	char distance[WORDING_MAX], age[32] = "";
+	if (!nav->located || (doubt->place != NAV_PLACE_DRIFTING && !remembered))
+		return false;
+	wording_distance(distance, 2.0 * doubt->major_m, units);
+	int64_t age_s = doubt->age_ns / NS_PER_S;
+	if (!remembered && age_s >= 1 && age_s < 3600)
+		snprintf(age, sizeof(age), ", for %d s", (int)age_s);
+	if (after)
+		snprintf(out, WORDING_MAX, "%.48s, position within %.24s", after, distance);
+	else
+		snprintf(out, WORDING_MAX, "%s within %.32s%s", remembered ? "Last position," : "Position", distance, age);
+	return true;
+}

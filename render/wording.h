@@ -38,5 +38,8 @@ int wording_limit(int32_t limit_kmh, enum wording_units units);
 void wording_manoeuvre(char *out, enum nav_manoeuvre manoeuvre, unsigned exit);
 /* What the driver should know of the inputs, the gravest first; false when nothing is wrong. */
 bool wording_inputs(char *out, const struct nav_view *nav);
+/* How well the place is known, when that is not well: "Position within 60 m, for 25 s"; two sigma. With `after`, words
+ * that it goes on from, only the distance. False when the place is sure. */
+bool wording_place(char *out, const struct nav_view *nav, enum wording_units units, const char *after);
 
 #endif

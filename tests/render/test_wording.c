@@ -155,6 +155,30 @@ static void the_gravest_input_state_is_named(void **state)
 	assert_string_equal(words, "Bus can0 down");
 }
 
+static void a_drifting_place_is_told_with_its_age(void **state)
+{
+	(void)state;
+	char words[WORDING_MAX];
+	struct nav_view nav = good_view();
+	nav.doubt = (struct nav_doubt){ .place = NAV_PLACE_SURE, .major_m = 3.0 };
+	assert_false(wording_place(words, &nav, UNITS_METRIC, NULL));
+	nav.doubt = (struct nav_doubt){ .place = NAV_PLACE_DRIFTING, .major_m = 30.0, .age_ns = INT64_C(25300000000) };
+	assert_true(wording_place(words, &nav, UNITS_METRIC, NULL));
+	assert_string_equal(words, "Position within 60 m, for 25 s");
+	assert_true(wording_place(words, &nav, UNITS_METRIC, "GPS lost 12 s"));
+	assert_string_equal(words, "GPS lost 12 s, position within 60 m");
+	nav.doubt.age_ns = INT64_MAX;
+	assert_true(wording_place(words, &nav, UNITS_MILES_FEET, NULL));
+	assert_string_equal(words, "Position within 200 ft");
+	nav.doubt = (struct nav_doubt){ .place = NAV_PLACE_REMEMBERED, .major_m = 3.0 };
+	assert_false(wording_place(words, &nav, UNITS_METRIC, NULL));
+	nav.doubt.major_m = 40.0;
+	assert_true(wording_place(words, &nav, UNITS_METRIC, NULL));
+	assert_string_equal(words, "Last position, within 80 m");
+	nav.located = false;
+	assert_false(wording_place(words, &nav, UNITS_METRIC, NULL));
+}
+
 static void every_manoeuvre_has_words(void **state)
 {
 	(void)state;
@@ -177,6 +201,7 @@ int main(void)
 		cmocka_unit_test(units_follow_the_country),
 		cmocka_unit_test(limits_are_those_on_the_signs),
 		cmocka_unit_test(the_gravest_input_state_is_named),
+		cmocka_unit_test(a_drifting_place_is_told_with_its_age),
 		cmocka_unit_test(every_manoeuvre_has_words),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
