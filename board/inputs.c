@@ -93,6 +93,14 @@ int inputs_map(struct inputs *inputs, const struct options *options, const struc
 	return 0;
 }
 
+/* A replay hears the receiver of its own drive, or none: a daemon of today says nothing about it. */
+static int open_receiver(
+	struct inputs *inputs, const struct options *options, const struct profile *profile, struct arena *arena)
+{
+	const char *spec = options->gnss ? options->gnss : options->replay ? NULL : profile->gnss;
+	return receiver_open(&inputs->receiver, spec, inputs->bus ? inputs->bus->wall_offset_ns : 0, arena);
+}
+
 int inputs_open(struct inputs *inputs, const struct options *options, const struct profile *profile,
 	const struct pkg *pkg, struct arena *arena)
 {
@@ -107,6 +115,8 @@ int inputs_open(struct inputs *inputs, const struct options *options, const stru
 	if (pkg && (status = inputs_map(inputs, options, profile, pkg, arena)) < 0)
 		return status;
 	if ((status = open_bus(inputs, options, arena)) < 0)
+		return status;
+	if ((status = open_receiver(inputs, options, profile, arena)) < 0)
 		return status;
 	return options->record ? open_recorder(inputs, options, arena) : 0;
 }
@@ -200,12 +210,14 @@ void inputs_advance(struct inputs *inputs, int64_t now_ns, struct nav_view *out)
 		inputs->now_ns += behind > 60 * NS_PER_S ? behind - NS_PER_S : STEP_NS;
 		read_bus(inputs, inputs->now_ns);
 		vehicle_sample(&inputs->vehicle, inputs->now_ns, state);
+		receiver_merge(&inputs->receiver, state);
 		nav_update(&inputs->nav, state, inputs->now_ns, inputs_wall_ns(inputs, inputs->now_ns), NULL);
 	}
 	inputs->now_ns = now_ns;
 	read_bus(inputs, now_ns);
 	ask_car(inputs, now_ns);
 	vehicle_sample(&inputs->vehicle, now_ns, state);
+	receiver_merge(&inputs->receiver, state);
 	if (inputs->nav.pkg)
 		nav_update(&inputs->nav, state, now_ns, inputs_wall_ns(inputs, now_ns), out);
 	else
@@ -246,6 +258,7 @@ void inputs_stats(const struct inputs *inputs, struct stats *out)
 int inputs_close(struct inputs *inputs)
 {
 	int status = can_record_close(inputs->recorder);
+	receiver_close(&inputs->receiver);
 	can_bus_close(inputs->bus);
 	inputs->bus = NULL;
 	inputs->recorder = NULL;

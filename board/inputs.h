@@ -7,6 +7,7 @@
 
 #include "board/car.h"
 #include "board/options.h"
+#include "board/receiver.h"
 #include "board/stats.h"
 #include "nav/destination.h"
 #include "nav/nav.h"
@@ -20,6 +21,7 @@ struct inputs {
 	struct car car;
 	struct vehicle vehicle;
 	struct vehicle_state state; /* at now_ns */
+	struct receiver receiver;
 	struct destination destination;
 	uint32_t destinations;  /* that the car has asked for, or taken back */
 	bool destination_waits; /* heard before there was a map */

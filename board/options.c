@@ -36,6 +36,7 @@ enum {
 	OPT_VIEW,
 	OPT_SAMPLES,
 	OPT_STATE,
+	OPT_GNSS,
 };
 
 static const struct argp_option option_table[] = {
@@ -61,6 +62,7 @@ static const struct argp_option option_table[] = {
 	{ "record", OPT_RECORD, "FILE", 0, "write the frames read from CAN as a candump log", 0 },
 	{ "record-limit", OPT_RECORD_LIMIT, "MIB", 0, "keep the newest of the recording; default 1024, all of a replay",
 		0 },
+	{ "gnss", OPT_GNSS, "SOURCE", 0, "a receiver beside the bus: gpsd, gpsd:HOST:PORT, or a log of gpspipe -w", 0 },
 	{ "state", OPT_STATE, "DIR", 0, "keep the last position there; default $STATE_DIRECTORY, but not with --replay",
 		0 },
 	{ "start", OPT_START, "LAT,LON[,HEADING]", 0, "where the drive starts, degrees", 0 },
@@ -242,6 +244,9 @@ static error_t parse_output(int key, char *value, struct options *out, struct ar
 		return 0;
 	case OPT_RECORD_LIMIT:
 		out->record_limit_bytes = parse_count("--record-limit", value, 1, UINT32_MAX, state) << 20;
+		return 0;
+	case OPT_GNSS:
+		out->gnss = value;
 		return 0;
 	case OPT_STATE:
 		out->state = value;

@@ -32,6 +32,7 @@ struct options {
 	const char *record;          /* file */
 	uint64_t record_limit_bytes; /* 0: default */
 	const char *state;           /* folder */
+	const char *gnss;            /* --gnss */
 	uint32_t width, height;
 	uint32_t fps;
 	uint32_t every; /* >= 1 */

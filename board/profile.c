@@ -493,6 +493,8 @@ static bool set_word(struct reader *in, const char *section, const char *key, ch
 		return set_rotation(in, value);
 	if (!strcmp(section, "display") && !strcmp(key, "buffers"))
 		return set_buffers(in, value);
+	if (!strcmp(section, "gnss") && !strcmp(key, "source"))
+		return (profile->gnss = keep(in, value)) != NULL;
 	if (!strcmp(section, "power") && !strcmp(key, "off")) {
 		choice = choose(in, key, value, offs);
 		profile->power.ends = choice == 1;

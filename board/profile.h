@@ -99,6 +99,7 @@ struct profile {
 	struct profile_signal signals[VEHICLE_INPUT_COUNT];
 	struct profile_gpio gpio;
 	struct power_config power;
+	const char *gnss; /* a receiver beside the bus; NULL none */
 	struct profile_camera camera;
 	unsigned warnings; /* unknown keys; each was logged */
 };

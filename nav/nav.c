@@ -476,6 +476,7 @@ static struct nav_input input_from(const struct vehicle_state *vehicle)
 		.fix_number = vehicle->fixes,
 		.lat_deg = vehicle->lat_deg,
 		.lon_deg = vehicle->lon_deg,
+		.fix_sigma_m = vehicle->fix_sigma_m,
 	};
 }
 

@@ -144,6 +144,7 @@ struct vehicle_state {
 	bool has_fix;
 	double lat_deg, lon_deg;
 	int64_t fix_time_ns;
+	double fix_sigma_m; /* 0 unknown */
 	uint32_t fixes;
 	/* For the driver and the logs; see enum nav_signal_state. Ages are of the last good sample, INT64_MAX never. */
 	enum nav_signal_state state[VEHICLE_INPUT_COUNT];
