@@ -13,7 +13,8 @@ shows_picture() {
 # profile FORMAT: the emulator's with that format
 profile() { sed "s/^fps = 30/fps = 30\nformat = $1/" /usr/share/boulevard/profiles/emulator.ini >/run/camera.ini; }
 
-unit_start
+close_pin ignition
+unit_start --display kms
 sleep 2
 screen camera-map
 close_pin reverse
@@ -67,20 +68,20 @@ check 'the unit was never restarted' test "$(unit_restarts)" = 0
 
 for format in yuyv uyvy nv12 bgrx; do
 	profile $format
-	UNIT_PROFILE=/run/camera.ini unit_start
+	UNIT_PROFILE=/run/camera.ini unit_start --display kms
 	check "$format is agreed on" within 5 sh -c "journalctl -u boulevard -o cat --no-pager | tail -20 | grep -q '$format 640x360.* taken'"
 	check "$format is shown" within 5 shows_picture
 	screen camera-$format
 	check "$format looks like nv12 and yuyv do" at_most 25000 "$(differ camera-yuyv camera-$format)"
 done
 profile mjpeg
-UNIT_PROFILE=/run/camera.ini unit_start
+UNIT_PROFILE=/run/camera.ini unit_start --display kms
 sleep 1
 check 'a format that the device does not have is told' sh -c "journalctl -u boulevard -o cat --no-pager | tail -20 | grep -q 'no mjpeg picture'"
 check 'and the unit runs on' unit_running
 
 head -c 100000 "$CITY" >/run/damaged.blvd
-UNIT_CITY=/run/damaged.blvd unit_start
+UNIT_CITY=/run/damaged.blvd unit_start --display kms
 check 'a damaged city leaves the camera alone' within 5 shows_picture
 screen camera-no-map
 open_pin reverse
