@@ -446,6 +446,7 @@ static bool is_panel_text(struct reader *in, const char *key, const char *value,
 
 static bool set_in_camera(struct reader *in, const char *key, char *value)
 {
+	static const char *const ways[] = { "auto", "yes", "no", NULL };
 	static const char *const lenses[] = { "pinhole", "fisheye", NULL };
 	static const char *const formats[] = { "auto", "yuyv", "uyvy", "nv12", "rgbx", "bgrx", "mjpeg", NULL };
 	struct profile_camera *camera = &in->profile->camera;
@@ -456,6 +457,10 @@ static bool set_in_camera(struct reader *in, const char *key, char *value)
 		at = choose(in, key, value, lenses);
 		if (at >= 0)
 			camera->lens = (enum lens_kind)at;
+	} else if (!strcmp(key, "zero_copy")) {
+		at = choose(in, key, value, ways);
+		if (at >= 0)
+			camera->zero_copy = (enum profile_zero_copy)at;
 	} else if (!strcmp(key, "format")) {
 		at = choose(in, key, value, formats);
 		if (at >= 0)

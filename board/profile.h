@@ -53,6 +53,9 @@ struct profile_signal {
 	struct profile_map map[VEHICLE_MAP_MAX];
 };
 
+/* Showing the camera's buffers without a copy: where the GPU is real, always where it can be, never. */
+enum profile_zero_copy { PROFILE_ZERO_COPY_AUTO, PROFILE_ZERO_COPY_YES, PROFILE_ZERO_COPY_NO };
+
 /* The section [camera]. */
 struct profile_camera {
 	const char *device; /* "/dev/video0", "sim" or "sim:SCRIPT"; NULL: none */
@@ -60,6 +63,7 @@ struct profile_camera {
 	enum camera_format format;
 	bool mirror;  /* shown as a mirror shows it */
 	bool repeats; /* the same picture again is a frozen one */
+	enum profile_zero_copy zero_copy;
 	enum lens_kind lens;
 	double fov_deg, k1, k2;
 	double height_m, pitch_deg, behind_axle_m, offset_m;

@@ -68,6 +68,11 @@ int reverse_open(struct reverse *reverse, const struct options *options, const s
 		status = open_view(reverse, &config, screen, arena);
 	if (status < 0)
 		reverse_close(reverse);
+	reverse->images.gfx = screen->gfx;
+	/* a CPU that draws gains nothing by it, and Mesa's crashes on buffers of some devices */
+	reverse->images.wanted = profile->camera.zero_copy == PROFILE_ZERO_COPY_AUTO
+								 ? !gfx_caps(screen->gfx)->software
+								 : profile->camera.zero_copy == PROFILE_ZERO_COPY_YES;
 	reverse->watch.look_for_repeats = profile->camera.repeats;
 	reverse->ahead_ns = simulated ? 0 : AHEAD_FIRST_NS;
 	return status;
@@ -75,6 +80,7 @@ int reverse_open(struct reverse *reverse, const struct options *options, const s
 
 void reverse_close(struct reverse *reverse)
 {
+	camera_images_finish(&reverse->images);
 	camera_close(&reverse->camera);
 	reverse_view_finish(&reverse->view);
 	*reverse = (struct reverse){ 0 };
@@ -167,6 +173,19 @@ static void look_at_camera(struct reverse *reverse, int64_t now_ns)
 	reverse->state = state;
 }
 
+/* The newest frame to the GPU: in place if that can be, else by a copy. False: it is larger than was agreed. */
+static bool bring_frame(struct reverse *reverse)
+{
+	bool changed;
+	gfx_texture texture = camera_images_of(&reverse->images, &reverse->camera, &reverse->frame, &changed);
+	if (changed)
+		reverse_view_forget(&reverse->view);
+	if (!texture.id)
+		return reverse_view_upload(&reverse->view, &reverse->frame);
+	reverse_view_use(&reverse->view, &reverse->frame, texture);
+	return true;
+}
+
 /* The driver of the GPU makes a program's last form at its first use, which may take longer than a picture has: one
  * picture that nobody sees, as soon as the camera's format is known. */
 static void warm_up(struct reverse *reverse)
@@ -174,7 +193,7 @@ static void warm_up(struct reverse *reverse)
 	if (reverse->engaged || reverse->warmed || reverse->state != WATCH_LIVE || !reverse->has_frame)
 		return;
 	reverse->warmed = true;
-	if (!reverse_view_upload(&reverse->view, &reverse->frame))
+	if (!bring_frame(reverse))
 		return;
 	reverse_view_draw(&reverse->view, &(struct reverse_view_state){ .angle_known = true, .note = " " });
 }
@@ -208,7 +227,7 @@ void reverse_draw(struct reverse *reverse, const struct reverse_input *input)
 	reverse->night = input->night;
 	reverse->live = reverse->state == WATCH_LIVE && reverse->has_frame;
 	if (reverse->live && !reverse->uploaded)
-		reverse->live = reverse->uploaded = reverse_view_upload(&reverse->view, &reverse->frame);
+		reverse->live = reverse->uploaded = bring_frame(reverse);
 	if (!reverse->live) {
 		draw_words(reverse);
 		return;

@@ -13,6 +13,7 @@
 #ifndef BLVD_BOARD_REVERSE_H
 #define BLVD_BOARD_REVERSE_H
 
+#include "board/camera_images.h"
 #include "board/controls.h"
 #include "board/options.h"
 #include "board/profile.h"
@@ -39,6 +40,7 @@ struct reverse {
 	const struct profile *profile;
 	struct camera_device camera;
 	struct reverse_view view;
+	struct camera_images images;
 	struct camera_watch watch;
 	struct camera_frame frame; /* the newest; its memory is the camera's */
 	bool has_frame, uploaded;

@@ -252,6 +252,27 @@ int gfx_texture_create(struct gfx *gfx, const struct gfx_texture_desc *desc, gfx
 	return 0;
 }
 
+int gfx_texture_import(struct gfx *gfx, void *image, uint32_t width, uint32_t height, gfx_texture *out)
+{
+	uint32_t slot;
+	out->id = 0;
+	if (!gfx->caps.external)
+		return -ENOTSUP;
+	out->id = pool_take(gfx, &gfx->texture_pool, &slot);
+	if (!out->id)
+		return -ENOMEM;
+	gfx->textures[slot] = (struct gfx_texture_slot){
+		.desc = { .format = GFX_RGBA8, .width = width, .height = height, .levels = 1, .filter = GFX_LINEAR },
+		.external = true,
+	};
+	int err = gfx->ops->texture_import(gfx, &gfx->textures[slot], image);
+	if (err) {
+		pool_drop(&gfx->texture_pool, slot);
+		out->id = 0;
+	}
+	return err;
+}
+
 int gfx_target_create(struct gfx *gfx, const struct gfx_target_desc *desc, gfx_target *out)
 {
 	uint32_t slot, texture_slot;
@@ -338,7 +359,7 @@ void gfx_texture_destroy(struct gfx *gfx, gfx_texture texture)
 		return;
 	struct gfx_texture_slot *slot = gfx_texture_at(gfx, texture);
 	gfx->ops->texture_destroy(gfx, slot);
-	if (!slot->of_target)
+	if (!slot->of_target && !slot->external)
 		gfx->stats.bytes -= gfx_texture_bytes(&slot->desc);
 	pool_drop(&gfx->texture_pool, pool_slot(&gfx->texture_pool, texture.id));
 }

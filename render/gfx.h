@@ -172,6 +172,7 @@ struct gfx_caps {
 	bool anisotropy;
 	bool clip_control;
 	bool timer_query;
+	bool external; /* gfx_texture_import() works */
 	float max_anisotropy;
 	uint32_t max_samples;
 	uint32_t max_texture_px, max_array_layers;
@@ -215,6 +216,10 @@ const struct gfx_stats *gfx_stats(const struct gfx *gfx);
  * *out is the zero handle. Destroying the zero handle does nothing. */
 int gfx_buffer_create(struct gfx *gfx, const struct gfx_buffer_desc *desc, gfx_buffer *out);
 int gfx_texture_create(struct gfx *gfx, const struct gfx_texture_desc *desc, gfx_texture *out);
+/* A texture of memory that is not the GPU's: `image` is one of EGL (platform/display/egl_image.h), which outlives it.
+ * Only for samplerExternalOES, filtered, clamped, never written; counts no bytes. -ENOTSUP without gfx_caps.external,
+ * -EINVAL when the driver refuses the image. */
+int gfx_texture_import(struct gfx *gfx, void *image, uint32_t width, uint32_t height, gfx_texture *out);
 int gfx_target_create(struct gfx *gfx, const struct gfx_target_desc *desc, gfx_target *out);
 int gfx_program_create(struct gfx *gfx, const struct gfx_program_desc *desc, gfx_program *out);
 int gfx_pipeline_create(struct gfx *gfx, const struct gfx_pipeline_desc *desc, gfx_pipeline *out);

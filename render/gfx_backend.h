@@ -15,6 +15,7 @@ struct gfx_texture_slot {
 	struct gfx_texture_desc desc;
 	uint32_t native;
 	bool of_target; /* counted with its target */
+	bool external;  /* not ours, not counted */
 };
 struct gfx_target_slot {
 	struct gfx_target_desc desc; /* samples as granted */
@@ -66,6 +67,7 @@ struct gfx_ops {
 	void (*finish)(struct gfx *gfx);
 	int (*buffer_create)(struct gfx *gfx, struct gfx_buffer_slot *slot);
 	int (*texture_create)(struct gfx *gfx, struct gfx_texture_slot *slot);
+	int (*texture_import)(struct gfx *gfx, struct gfx_texture_slot *slot, void *image);
 	int (*target_create)(struct gfx *gfx, struct gfx_target_slot *slot, struct gfx_texture_slot *texture);
 	int (*program_create)(struct gfx *gfx, struct gfx_program_slot *slot);
 	int (*pipeline_create)(struct gfx *gfx, struct gfx_pipeline_slot *slot);

@@ -31,6 +31,14 @@ static int dummy_texture_create(struct gfx *gfx, struct gfx_texture_slot *slot)
 	return 0;
 }
 
+static int dummy_texture_import(struct gfx *gfx, struct gfx_texture_slot *slot, void *image)
+{
+	(void)gfx;
+	(void)slot;
+	(void)image;
+	return 0;
+}
+
 static int dummy_target_create(struct gfx *gfx, struct gfx_target_slot *slot, struct gfx_texture_slot *texture)
 {
 	(void)gfx;
@@ -172,6 +180,7 @@ const struct gfx_ops gfx_dummy = {
 	.finish = dummy_finish,
 	.buffer_create = dummy_buffer_create,
 	.texture_create = dummy_texture_create,
+	.texture_import = dummy_texture_import,
 	.target_create = dummy_target_create,
 	.program_create = dummy_program_create,
 	.pipeline_create = dummy_pipeline_create,

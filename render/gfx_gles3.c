@@ -18,6 +18,7 @@ typedef void (*draw_base_vertex_fn)(GLenum mode, GLsizei count, GLenum type, con
 
 struct gles3 {
 	draw_base_vertex_fn draw_base_vertex;
+	PFNGLEGLIMAGETARGETTEXTURE2DOESPROC image_target;
 	GLuint program, vertex_array, draw_framebuffer;
 	GLuint textures[GFX_TEXTURES_MAX];
 	GLuint blocks[GFX_BLOCKS_MAX];
@@ -101,6 +102,9 @@ static void probe(struct gfx *gfx, struct gles3 *gl, int version)
 	if (caps->anisotropy)
 		glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY_EXT, &caps->max_anisotropy);
 	caps->clip_control = has_extension("GL_EXT_clip_control");
+	if (gfx->config.get_proc && has_extension("GL_OES_EGL_image_external_essl3"))
+		gl->image_target = (PFNGLEGLIMAGETARGETTEXTURE2DOESPROC)gfx->config.get_proc("glEGLImageTargetTexture2DOES");
+	caps->external = gl->image_target != NULL;
 	caps->timer_query = has_extension("GL_EXT_disjoint_timer_query");
 	caps->max_samples = get_u32(GL_MAX_SAMPLES);
 	caps->max_texture_px = get_u32(GL_MAX_TEXTURE_SIZE);
@@ -175,6 +179,8 @@ static void gles3_buffer_write(
 
 static GLenum texture_kind(const struct gfx_texture_slot *slot)
 {
+	if (slot->external)
+		return GL_TEXTURE_EXTERNAL_OES;
 	return slot->desc.layers ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D;
 }
 
@@ -225,6 +231,24 @@ static int gles3_texture_create(struct gfx *gfx, struct gfx_texture_slot *slot)
 	}
 	set_sampling(gfx, slot);
 	return 0;
+}
+
+static int gles3_texture_import(struct gfx *gfx, struct gfx_texture_slot *slot, void *image)
+{
+	struct gles3 *gl = gfx->impl;
+	while (glGetError() != GL_NO_ERROR)
+		;
+	glGenTextures(1, &slot->native);
+	bind_for_change(gl, slot);
+	gl->image_target(GL_TEXTURE_EXTERNAL_OES, image);
+	glTexParameteri(GL_TEXTURE_EXTERNAL_OES, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+	glTexParameteri(GL_TEXTURE_EXTERNAL_OES, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+	glTexParameteri(GL_TEXTURE_EXTERNAL_OES, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+	glTexParameteri(GL_TEXTURE_EXTERNAL_OES, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+	if (glGetError() == GL_NO_ERROR)
+		return 0;
+	glDeleteTextures(1, &slot->native);
+	return -EINVAL;
 }
 
 static void gles3_texture_destroy(struct gfx *gfx, struct gfx_texture_slot *slot)
@@ -715,6 +739,7 @@ const struct gfx_ops gfx_gles3 = {
 	.finish = gles3_finish,
 	.buffer_create = gles3_buffer_create,
 	.texture_create = gles3_texture_create,
+	.texture_import = gles3_texture_import,
 	.target_create = gles3_target_create,
 	.program_create = gles3_program_create,
 	.pipeline_create = gles3_pipeline_create,

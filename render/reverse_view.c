@@ -16,12 +16,17 @@ static int make_program(struct reverse_view *view, enum reverse_view_layout layo
 		[REVERSE_VIEW_PACKED] = "#define NO_FRAME_BLOCK 1\n#define PACKED 1\n",
 		[REVERSE_VIEW_SWAPPED] = "#define NO_FRAME_BLOCK 1\n#define SWAPPED 1\n",
 		[REVERSE_VIEW_RGB] = "#define NO_FRAME_BLOCK 1\n#define RGB 1\n",
+		[REVERSE_VIEW_EXTERNAL] = "#extension GL_OES_EGL_image_external_essl3 : require\n"
+								  "#define NO_FRAME_BLOCK 1\n#define EXTERNAL 1\n",
 	};
+	bool one_plane = layout == REVERSE_VIEW_RGB || layout == REVERSE_VIEW_EXTERNAL;
+	if (layout == REVERSE_VIEW_EXTERNAL && !gfx_caps(view->gfx)->external)
+		return 0;
 	struct gfx_program_desc program = {
 		.vertex = "camera.vert",
 		.fragment = "camera.frag",
 		.defines = defines[layout],
-		.textures = { "u_plane0", layout == REVERSE_VIEW_RGB ? NULL : "u_plane1" },
+		.textures = { "u_plane0", one_plane ? NULL : "u_plane1" },
 	};
 	int status = gfx_program_create(view->gfx, &program, &view->programs[layout]);
 	if (status < 0)
@@ -118,11 +123,26 @@ bool reverse_view_upload(struct reverse_view *view, const struct camera_frame *f
 	return true;
 }
 
-/* Rows of the matrix from what the texture holds (0 to 1) to RGB, the fourth column added. */
-static void color_matrix(const struct camera_frame *frame, float gain, float (*rows)[4])
+void reverse_view_use(struct reverse_view *view, const struct camera_frame *frame, gfx_texture texture)
 {
-	if (frame->format == CAMERA_RGBX || frame->format == CAMERA_BGRX) {
-		bool swap = frame->format == CAMERA_BGRX;
+	view->layout = REVERSE_VIEW_EXTERNAL;
+	view->external = texture;
+	view->frame = *frame;
+	view->any = true;
+}
+
+void reverse_view_forget(struct reverse_view *view)
+{
+	if (view->layout == REVERSE_VIEW_EXTERNAL)
+		view->any = false;
+	view->external.id = 0;
+}
+
+/* Rows of the matrix from what the texture holds (0 to 1) to RGB, the fourth column added. */
+static void color_matrix(const struct camera_frame *frame, bool external, float gain, float (*rows)[4])
+{
+	if (external || frame->format == CAMERA_RGBX || frame->format == CAMERA_BGRX) {
+		bool swap = !external && frame->format == CAMERA_BGRX;
 		for (int i = 0; i < 3; i++)
 			for (int k = 0; k < 4; k++)
 				rows[i][k] = k == (swap ? 2 - i : i) ? gain : 0.0f;
@@ -165,28 +185,43 @@ static void texture_box(const struct reverse_view *view, uint32_t width, uint32_
 	}
 }
 
+static void whole_box(const struct reverse_view *view, float out[4])
+{
+	bool mirror = view->config.guide.mirror;
+	out[0] = mirror ? 1.0f : 0.0f;
+	out[1] = 0.0f;
+	out[2] = mirror ? 0.0f : 1.0f;
+	out[3] = 1.0f;
+}
+
 static void draw_picture(const struct reverse_view *view, const struct box *at, bool night)
 {
 	float constants[CONSTANTS][4] = { 0 }, width = (float)view->screen->width, height = (float)view->screen->height;
 	const struct camera_frame *frame = &view->frame;
+	bool external = view->layout == REVERSE_VIEW_EXTERNAL;
 	bool packed = view->layout == REVERSE_VIEW_PACKED || view->layout == REVERSE_VIEW_SWAPPED;
 	constants[0][0] = at->x0 / width * 2.0f - 1.0f;
 	constants[0][1] = 1.0f - at->y0 / height * 2.0f;
 	constants[0][2] = at->x1 / width * 2.0f - 1.0f;
 	constants[0][3] = 1.0f - at->y1 / height * 2.0f;
-	texture_box(view, frame->width, frame->height, constants[1]);
+	if (external)
+		whole_box(view, constants[1]);
+	else
+		texture_box(view, frame->width, frame->height, constants[1]);
 	if (packed)
 		texture_box(view, frame->width / 2, frame->height, constants[2]);
 	else
 		texture_box(view, frame->chroma_width, frame->chroma_height, constants[2]);
-	color_matrix(frame, night ? NIGHT_PICTURE : 1.0f, constants + 3);
+	color_matrix(frame, external, night ? NIGHT_PICTURE : 1.0f, constants + 3);
 	struct gfx_draw draw = {
 		.pipeline = view->pipelines[view->layout],
 		.count = 4,
 		.constants = constants[0],
 		.constant_count = CONSTANTS,
 	};
-	if (view->layout == REVERSE_VIEW_RGB) {
+	if (external) {
+		draw.textures[0] = view->external;
+	} else if (view->layout == REVERSE_VIEW_RGB) {
 		draw.textures[0] = view->four;
 	} else {
 		draw.textures[0] = packed ? view->two : view->one;

@@ -22,6 +22,7 @@ enum reverse_view_layout { /* which program draws it */
 	REVERSE_VIEW_PACKED,
 	REVERSE_VIEW_SWAPPED,
 	REVERSE_VIEW_RGB,
+	REVERSE_VIEW_EXTERNAL, /* a buffer of the device itself; where the GPU can */
 	REVERSE_VIEW_LAYOUTS,
 };
 
@@ -33,6 +34,7 @@ struct reverse_view {
 	gfx_program programs[REVERSE_VIEW_LAYOUTS];
 	gfx_pipeline pipelines[REVERSE_VIEW_LAYOUTS];
 	gfx_texture one, two, four; /* of so many bytes a texel */
+	gfx_texture external;       /* the owner's, of the frame that was shown last */
 	bool any;                   /* a frame has been uploaded */
 	enum reverse_view_layout layout;
 	struct camera_frame frame; /* its sizes and colours; the planes may be gone */
@@ -46,6 +48,11 @@ void reverse_view_finish(struct reverse_view *view);
 
 /* Returns false, and nothing changes, for a frame that is larger than was agreed. */
 bool reverse_view_upload(struct reverse_view *view, const struct camera_frame *frame);
+
+/* The same without a copy: `texture` is gfx_texture_import()'s of the frame's buffer, and its owner's. */
+void reverse_view_use(struct reverse_view *view, const struct camera_frame *frame, gfx_texture texture);
+/* Its owner destroys textures that were used: no frame is left. */
+void reverse_view_forget(struct reverse_view *view);
 
 struct reverse_view_state {
 	bool night;

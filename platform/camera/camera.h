@@ -79,6 +79,7 @@ struct camera_dmabuf {
 	uint32_t width, height, fourcc; /* DRM's */
 	uint32_t planes;
 	uint32_t offset[2], stride[2];
+	bool yuv; /* the two below count */
 	enum camera_matrix matrix;
 	bool full_range;
 };

@@ -376,6 +376,7 @@ static bool v4l2_dmabuf(const struct camera_device *camera, uint32_t buffer, str
 			.planes = device->format == CAMERA_NV12 ? 2 : 1,
 			.offset = { 0, device->stride * device->height },
 			.stride = { device->stride, device->stride },
+			.yuv = device->format != CAMERA_BGRX && device->format != CAMERA_RGBX,
 			.matrix = device->matrix,
 			.full_range = device->full_range };
 	pthread_mutex_unlock(&v4l2->mutex);

@@ -219,7 +219,7 @@ static void lenses_turn_back_what_they_project(void **state)
 			}
 		}
 		/* the edge of the picture is half the field of view */
-		struct dvec3 edge;
+		struct dvec3 edge = { 0 };
 		assert_true(lens_unproject(&lenses[i], (struct dvec2){ 0.5, 0.0 }, &edge));
 		assert_true(fabs(atan2(edge.x, edge.z) - lenses[i].fov_rad / 2.0) < 1e-9);
 	}
