@@ -7,6 +7,8 @@
 
 #define VERTICES 16384u
 #define CONSTANTS 7u
+#define EXTERNAL_DEFINES                                                                                               \
+	"#extension GL_OES_EGL_image_external_essl3 : require\n#define NO_FRAME_BLOCK 1\n#define EXTERNAL 1\n"
 #define NIGHT_PICTURE 0.72f /* of the light of a picture by night: it must not dazzle */
 
 static int make_program(struct reverse_view *view, enum reverse_view_layout layout)
@@ -16,8 +18,7 @@ static int make_program(struct reverse_view *view, enum reverse_view_layout layo
 		[REVERSE_VIEW_PACKED] = "#define NO_FRAME_BLOCK 1\n#define PACKED 1\n",
 		[REVERSE_VIEW_SWAPPED] = "#define NO_FRAME_BLOCK 1\n#define SWAPPED 1\n",
 		[REVERSE_VIEW_RGB] = "#define NO_FRAME_BLOCK 1\n#define RGB 1\n",
-		[REVERSE_VIEW_EXTERNAL] = "#extension GL_OES_EGL_image_external_essl3 : require\n"
-								  "#define NO_FRAME_BLOCK 1\n#define EXTERNAL 1\n",
+		[REVERSE_VIEW_EXTERNAL] = EXTERNAL_DEFINES,
 	};
 	bool one_plane = layout == REVERSE_VIEW_RGB || layout == REVERSE_VIEW_EXTERNAL;
 	if (layout == REVERSE_VIEW_EXTERNAL && !gfx_caps(view->gfx)->external)

@@ -60,7 +60,7 @@ static void describe(struct camera_frame *out, uint8_t *memory, uint32_t width, 
 int jpeg_planes_decode(
 	struct jpeg_planes *jpeg, const uint8_t *data, size_t size, uint8_t *memory, struct camera_frame *out)
 {
-	int width, height, sampling, space;
+	int width = 0, height = 0, sampling = -1, space = -1; /* not always written, whatever is returned */
 	if (tjDecompressHeader3(jpeg->decoder, data, size, &width, &height, &sampling, &space) || width <= 0 ||
 		height <= 0 || sampling < 0)
 		return -EBADMSG;
