@@ -7,6 +7,7 @@ grows() {
 	sleep 0.3
 	[ "$(frames)" -gt "$grows_before" ]
 }
+close_pin ignition
 unit_start --display kms
 drive_start 20
 check 'the car is heard' within 10 grows

@@ -1,5 +1,6 @@
 #!/bin/sh
 # short: the clock is set back a year, and forward two
+close_pin ignition
 unit_start --display kms
 drive_start 20
 heard() { [ "$(stat_of .vehicle.frames_in)" -gt "${1:-0}" ]; }

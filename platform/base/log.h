@@ -5,7 +5,8 @@
 #ifndef BLVD_PLATFORM_BASE_LOG_H
 #define BLVD_PLATFORM_BASE_LOG_H
 
-enum log_level { LOG_ERROR, LOG_WARN, LOG_INFO, LOG_DEBUG };
+/* LOG_NONE is for log_init() alone. */
+enum log_level { LOG_NONE = -1, LOG_ERROR, LOG_WARN, LOG_INFO, LOG_DEBUG };
 
 /* `program` is borrowed and must outlive all logging. */
 void log_init(const char *program, enum log_level max_level);

@@ -1,6 +1,6 @@
-/* Any text as a profile. Its definitions are always the virtual car's, so that no file is opened. Run with
- * -close_fd_mask=2: each fault is a line on stderr. */
+/* Any text as a profile. Its definitions are always the virtual car's, so that no file is opened. */
 #include "board/car.h"
+#include "platform/base/log.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -12,6 +12,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	struct arena arena;
 	struct profile profile;
 	struct profile_error error;
+	log_init("fuzz", LOG_NONE); /* every fault is a line */
 	arena_init(&arena, "fuzz", memory, sizeof(memory));
 	if (profile_parse(&profile, "x/y.ini", (const char *)data, size, &arena, &error) == 0)
 		car_init(&car, &profile, dbc, 1, NULL, 0, &arena);
