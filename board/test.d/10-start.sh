@@ -1,7 +1,7 @@
 #!/bin/sh
 # short: the unit starts, says that it is ready, lives, is watched, and stops
 started=$(now_ms)
-check 'the unit starts and says that it is ready' unit_start --display kms
+check 'the unit starts and says that it is ready' unit_start
 note 'start to ready, native ms' "$(native $(($(now_ms) - started)))"
 check 'it runs as its own user' test "$(ps -o user= -p "$(unit_pid)")" = boulevard
 groups_of() { sed -n 's/^Groups:[[:space:]]*//p' "/proc/$(unit_pid)/status" | tr ' ' '\n' | grep . | while read -r id; do getent group "$id" | cut -d: -f1; done | sort | tr '\n' ' '; }
@@ -11,7 +11,7 @@ check 'it cannot gain any' grep -q '^NoNewPrivs:[[:space:]]*1$' "/proc/$(unit_pi
 # Seen from inside: every mount that can be written and is no device, proc or its own /tmp.
 writable() { awk '$6 ~ /(^|,)rw(,|$)/ && $5 !~ "^/(dev|proc|sys|tmp|var/tmp|run)(/|$)" { print $5 }' "/proc/$(unit_pid)/mountinfo"; }
 check 'it can write its state folder and nothing else' test "$(writable)" = /var/lib/boulevard
-sleep "$(awk "BEGIN { print 3 * $SLOW }")"
+seconds 3
 check 'the watchdog is fed' unit_running
 check 'it was never restarted' test "$(unit_restarts)" = 0
 kill -STOP "$(unit_pid)"

@@ -7,11 +7,11 @@
 check() {
 	check_name=$1
 	shift
-	if check_said=$("$@" 2>&1); then
+	if "$@" >/run/check-said 2>&1; then # no subshell: what the command sets stays
 		echo "  ok      $check_name"
 	else
 		echo "  FAILED  $check_name: $*"
-		[ -z "$check_said" ] || echo "$check_said" | tail -20 | sed 's/^/          /'
+		tail -20 /run/check-said | sed 's/^/          /'
 		echo failed >>"$SCENE_FAULTS"
 		return 1
 	fi
@@ -58,13 +58,14 @@ at_most() { awk "BEGIN { exit !($2 <= $1) }" || { echo "$2 is more than $1"; ret
 at_least() { awk "BEGIN { exit !($2 >= $1) }" || { echo "$2 is less than $1"; return 1; }; }
 
 # --- the installed unit -------------------------------------------------------------------------------------------
-# unit_start [OPTION...]: (re)starts boulevard.service with $CITY and these options more; returns when it is ready.
+# unit_start [OPTION...]: (re)starts boulevard.service on the screen and the bus with $CITY, and these options more;
+# returns when it is ready. UNIT_CITY and UNIT_PROFILE name others.
 unit_start() {
 	mkdir -p /etc/boulevard
 	{
 		echo "BOULEVARD_CITY=${UNIT_CITY-$CITY}"
 		echo "BOULEVARD_PROFILE=${UNIT_PROFILE:-/usr/share/boulevard/profiles/emulator.ini}"
-		echo "BOULEVARD_OPTIONS=\"--stats /var/lib/boulevard/stats.json $*\""
+		echo "BOULEVARD_OPTIONS=\"--display kms --can vcan0 --stats /var/lib/boulevard/stats.json $*\""
 		env | grep -E '^(LP_NUM_THREADS|MALLOC_[A-Z_]*)='
 	} >/etc/boulevard/boulevard.conf
 	mkdir -p /run/systemd/system/boulevard.service.d
@@ -147,6 +148,30 @@ screen() { board_screen shot "$OUT/$1.png"; }
 colours() { identify -format %k "$OUT/$1.png"; }
 # differ NAME NAME: how many pixels of two pictures differ clearly.
 differ() { compare -metric AE -fuzz 10% "$OUT/$1.png" "$OUT/$2.png" null: 2>&1 | awk '{ printf "%d\n", $1 }'; }
-# watch_start SECONDS, then watch_end: longest time without a new picture, in ms.
-watch_start() { board_screen watch "$1" >/run/watch.json & watch_pid=$!; }
-watch_end() { wait "$watch_pid"; jq -r .longest_gap_ms /run/watch.json; }
+# watch_start SECONDS, then watch_end: $gap_ms is the longest time without a new picture, native ms.
+watch_start() {
+	board_screen watch "$1" >/run/watch.json &
+	watch_pid=$!
+	sleep 0.2
+}
+watch_end() {
+	wait "$watch_pid"
+	gap_ms=$(native "$(jq -r .longest_gap_ms /run/watch.json)")
+}
+
+# seconds N: sleeps so many of native time.
+seconds() { sleep "$(awk "BEGIN { print $1 * $SLOW }")"; }
+
+# pictures_come: whether the screen shows at least three new pictures in two seconds.
+pictures_come() { [ "$(board_screen watch "$(awk "BEGIN { print 2 * $SLOW }")" | jq .pictures)" -ge 3 ]; }
+
+# holds WHAT COMMAND...: does something to the running unit and checks that the picture stays, or returns within 2 s.
+holds() {
+	holds_what=$1
+	shift
+	watch_start "$(awk "BEGIN { print 4 * $SLOW }")"
+	"$@"
+	watch_end
+	note "$holds_what: longest time without a new picture, native ms" "$gap_ms"
+	check "$holds_what: the picture stays or returns within 2 s" at_most 2000 "$gap_ms"
+}

@@ -1,0 +1,18 @@
+#!/bin/sh
+# short: a drive on the bus is seen on the screen
+unit_start
+screen before
+drive_start 20
+check 'pictures come' pictures_come
+screen driving
+check 'the picture is a city, not a plain one' at_least 500 "$(colours driving)"
+check 'it shows something else than before the drive' at_least 20000 "$(differ before driving)"
+seconds 3
+screen later
+check 'the car has moved on' at_least 2000 "$(differ driving later)"
+check 'the bus was read' at_least 100 "$(stat_of .vehicle.frames_in)"
+check 'no frame was bad' test "$(stat_of .vehicle.frames_bad)" = 0
+check 'no frame was lost' test "$(stat_of .can.frames_lost)" = 0
+check 'nothing was allocated after the start' test "$(stat_of .memory.allocations_after_start)" = 0
+note 'a frame, median ms here' "$(stat_of .frame_ms.median)"
+note 'memory at most, MiB' "$(stat_of '.memory.peak_rss_bytes / 1048576 | floor')"
