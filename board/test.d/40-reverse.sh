@@ -4,7 +4,7 @@ unit_start
 seconds 1
 screen ahead
 close_pin reverse
-check 'a picture of the camera is shown' within 3000 sh -c "[ \"$(stat_of .camera.shown)\" != 0 ]"
+check 'a picture of the camera is shown' within 3 sh -c "[ \"$(stat_of .camera.shown)\" != 0 ]"
 seconds 1
 screen reverse
 check 'the screen shows it' at_least 50000 "$(differ ahead reverse)"

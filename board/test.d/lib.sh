@@ -29,22 +29,28 @@ skip() {
 	exit 77
 }
 
-# This guest is $SLOW times slower than the machine it runs on (run measures it), so a limit that is meant for a board is
-# given in native time: scaled MS is that time here, native MS the other way.
-scaled() { awk "BEGIN { printf \"%d\", $1 * $SLOW }"; }
-native() { awk "BEGIN { printf \"%d\", $1 / $SLOW }"; }
+# In this guest a frame takes $SLOW times as long as outside, and a start $SLOW_START times (run measures both), so a
+# limit that is meant for a board is given in native time: scaled MS is that time here, native MS the other way. With
+# "start" behind, the time is that of something that starts the unit.
+scaled() { awk "BEGIN { printf \"%d\", $1 * $(factor "${2:-}") }"; }
+native() { awk "BEGIN { printf \"%d\", $1 / $(factor "${2:-}") }"; }
+factor() { if [ "${1:-}" = start ]; then echo "$SLOW_START"; else echo "$SLOW"; fi; }
 
-# within MS COMMAND...: tries until it succeeds, for so many ms of native time; $took_ms says how many it took.
+# within SECONDS [start] COMMAND...: tries until it succeeds, for so long in native time; $took_ms says how many ms it
+# took.
 within() {
+	within_kind=''
+	[ "$2" != start ] || within_kind=start
 	within_began=$(now_ms)
-	within_end=$((within_began + $(scaled "$1")))
+	within_end=$((within_began + $(scaled "${1}000" $within_kind)))
 	shift
+	[ -z "$within_kind" ] || shift
 	while ! "$@" >/dev/null 2>&1; do
-		took_ms=$(native $(($(now_ms) - within_began)))
+		took_ms=$(native $(($(now_ms) - within_began)) $within_kind)
 		[ "$(now_ms)" -lt "$within_end" ] || return 1
 		sleep 0.02
 	done
-	took_ms=$(native $(($(now_ms) - within_began)))
+	took_ms=$(native $(($(now_ms) - within_began)) $within_kind)
 }
 
 # Uptime, which no change of the clock moves.
@@ -71,9 +77,9 @@ unit_start() {
 	mkdir -p /run/systemd/system/boulevard.service.d
 	cat >/run/systemd/system/boulevard.service.d/emulator.conf <<-END
 		[Service]
-		TimeoutStartSec=$(scaled 20000)ms
-		WatchdogSec=$(scaled 2000)ms
-		TimeoutStopSec=$(scaled 2000)ms
+		TimeoutStartSec=$(scaled 20000 start)ms
+		WatchdogSec=$(scaled 2000 start)ms
+		TimeoutStopSec=$(scaled 2000 start)ms
 	END
 	systemctl daemon-reload
 	systemctl reset-failed boulevard 2>/dev/null
@@ -89,7 +95,7 @@ unit_log() { journalctl -u boulevard --no-pager -o cat "$@"; }
 stat_of() {
 	rm -f /var/lib/boulevard/stats.json
 	systemctl kill -s USR1 boulevard
-	within 5000 test -s /var/lib/boulevard/stats.json || { echo 'no statistics in 5 s' >&2; return 1; }
+	within 5 test -s /var/lib/boulevard/stats.json || { echo 'no statistics in 5 s' >&2; return 1; }
 	sleep 0.1
 	jq -r "$1" /var/lib/boulevard/stats.json
 }
@@ -148,15 +154,18 @@ screen() { board_screen shot "$OUT/$1.png"; }
 colours() { identify -format %k "$OUT/$1.png"; }
 # differ NAME NAME: how many pixels of two pictures differ clearly.
 differ() { compare -metric AE -fuzz 10% "$OUT/$1.png" "$OUT/$2.png" null: 2>&1 | awk '{ printf "%d\n", $1 }'; }
-# watch_start SECONDS, then watch_end: $gap_ms is the longest time without a new picture, native ms.
+# watch_start SECONDS, then watch_end [start]: prints the longest time without a new picture, native ms; also $gap_ms.
 watch_start() {
 	board_screen watch "$1" >/run/watch.json &
 	watch_pid=$!
 	sleep 0.2
 }
 watch_end() {
-	wait "$watch_pid"
-	gap_ms=$(native "$(jq -r .longest_gap_ms /run/watch.json)")
+	while kill -0 "$watch_pid" 2>/dev/null; do
+		sleep 0.02
+	done
+	gap_ms=$(native "$(jq -r .longest_gap_ms /run/watch.json)" "$@")
+	echo "$gap_ms"
 }
 
 # seconds N: sleeps so many of native time.
@@ -165,13 +174,18 @@ seconds() { sleep "$(awk "BEGIN { print $1 * $SLOW }")"; }
 # pictures_come: whether the screen shows at least three new pictures in two seconds.
 pictures_come() { [ "$(board_screen watch "$(awk "BEGIN { print 2 * $SLOW }")" | jq .pictures)" -ge 3 ]; }
 
-# holds WHAT COMMAND...: does something to the running unit and checks that the picture stays, or returns within 2 s.
+# holds WHAT [start] COMMAND...: does something to the running unit and checks that the picture stays, or returns within
+# 2 s of native time; "start" where the unit has to start for that.
 holds() {
-	holds_what=$1
+	holds_what=$1 holds_kind=''
 	shift
-	watch_start "$(awk "BEGIN { print 4 * $SLOW }")"
+	if [ "$1" = start ]; then
+		holds_kind=start
+		shift
+	fi
+	watch_start "$(awk "BEGIN { print 3 * $(factor $holds_kind) }")"
 	"$@"
-	watch_end
+	watch_end $holds_kind >/dev/null
 	note "$holds_what: longest time without a new picture, native ms" "$gap_ms"
 	check "$holds_what: the picture stays or returns within 2 s" at_most 2000 "$gap_ms"
 }
