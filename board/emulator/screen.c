@@ -2,6 +2,8 @@
  * What is on the screen, asked of the kernel (KMS), whoever draws it: for board/test, as root. Not part of the product.
  *   board_screen shot FILE.png     the picture that is scanned out now
  *   board_screen watch SECONDS     one line of JSON: pictures, the longest time between two, time without any
+ *   board_screen colours FILE.png  how many different colours it has, of 4096: a plain picture has few
+ *   board_screen differ A.png B.png    how many pixels differ clearly
  * The plain kernel interface is enough; dumb and linear buffers only, which is what a machine without a GPU scans out.
  */
 #include <drm.h>
@@ -9,6 +11,7 @@
 #include <drm_mode.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <png.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,6 +26,7 @@
 #define CARDS 8
 #define CRTCS 16
 #define POLL_NS (4 * NS_PER_MS)
+#define CLEARLY 25 /* of 255, in any channel */
 
 struct screen_source {
 	int fd;
@@ -151,12 +155,68 @@ static int watch(const struct screen_source *source, double seconds)
 	return EXIT_SUCCESS;
 }
 
+struct picture {
+	png_image image;
+	uint8_t *pixels; /* RGBA */
+};
+
+static bool load(struct picture *out, const char *path)
+{
+	*out = (struct picture){ .image = { .version = PNG_IMAGE_VERSION } };
+	if (!png_image_begin_read_from_file(&out->image, path)) {
+		fprintf(stderr, "board_screen: %s: %s\n", path, out->image.message);
+		return false;
+	}
+	out->image.format = PNG_FORMAT_RGBA;
+	out->pixels = mmap(NULL, PNG_IMAGE_SIZE(out->image), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+	return out->pixels != MAP_FAILED && png_image_finish_read(&out->image, NULL, out->pixels, 0, NULL);
+}
+
+static int count_colours(const char *path)
+{
+	static bool seen[4096];
+	struct picture picture;
+	unsigned count = 0;
+	if (!load(&picture, path))
+		return EXIT_FAILURE;
+	for (size_t i = 0; i < PNG_IMAGE_SIZE(picture.image); i += 4) {
+		const uint8_t *p = picture.pixels + i;
+		bool *at = &seen[(p[0] >> 4) << 8 | (p[1] >> 4) << 4 | p[2] >> 4];
+		count += !*at;
+		*at = true;
+	}
+	printf("%u\n", count);
+	return EXIT_SUCCESS;
+}
+
+static int count_differences(const char *path_a, const char *path_b)
+{
+	struct picture a, b;
+	if (!load(&a, path_a) || !load(&b, path_b))
+		return EXIT_FAILURE;
+	if (a.image.width != b.image.width || a.image.height != b.image.height) {
+		fprintf(stderr, "board_screen: the pictures are of different sizes\n");
+		return EXIT_FAILURE;
+	}
+	unsigned long count = 0;
+	for (size_t i = 0; i < PNG_IMAGE_SIZE(a.image); i += 4) {
+		const uint8_t *p = a.pixels + i, *q = b.pixels + i;
+		count += abs(p[0] - q[0]) > CLEARLY || abs(p[1] - q[1]) > CLEARLY || abs(p[2] - q[2]) > CLEARLY;
+	}
+	printf("%lu\n", count);
+	return EXIT_SUCCESS;
+}
+
 int main(int argc, char **argv)
 {
+	if (argc == 3 && !strcmp(argv[1], "colours"))
+		return count_colours(argv[2]);
+	if (argc == 4 && !strcmp(argv[1], "differ"))
+		return count_differences(argv[2], argv[3]);
 	struct screen_source source;
 	bool shot = argc == 3 && !strcmp(argv[1], "shot");
 	if (!shot && !(argc == 3 && !strcmp(argv[1], "watch") && atof(argv[2]) > 0)) {
-		fprintf(stderr, "usage: board_screen shot FILE.png | watch SECONDS\n");
+		fprintf(stderr, "usage: board_screen shot FILE.png | watch SECONDS | colours FILE.png | differ A.png B.png\n");
 		return 2;
 	}
 	if (!find_screen(&source))

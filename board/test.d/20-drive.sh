@@ -5,7 +5,7 @@ screen before
 drive_start 20
 check 'pictures come' pictures_come
 screen driving
-check 'the picture is a city, not a plain one' at_least 500 "$(colours driving)"
+check 'the picture is a city, not a plain one' at_least 60 "$(colours driving)"
 check 'it shows something else than before the drive' at_least 20000 "$(differ before driving)"
 seconds 3
 screen later

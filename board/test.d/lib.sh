@@ -151,9 +151,9 @@ can_make() { ip link add dev "$1" type vcan && ip link set "$1" mtu 72 txqueuele
 # screen NAME: what is scanned out now, as $OUT/NAME.png
 screen() { board_screen shot "$OUT/$1.png"; }
 # colours NAME: how many different colours that picture has: a plain one has few.
-colours() { identify -format %k "$OUT/$1.png"; }
+colours() { board_screen colours "$OUT/$1.png"; }
 # differ NAME NAME: how many pixels of two pictures differ clearly.
-differ() { compare -metric AE -fuzz 10% "$OUT/$1.png" "$OUT/$2.png" null: 2>&1 | awk '{ printf "%d\n", $1 }'; }
+differ() { board_screen differ "$OUT/$1.png" "$OUT/$2.png"; }
 # watch_start SECONDS, then watch_end [start]: prints the longest time without a new picture, native ms; also $gap_ms.
 watch_start() {
 	board_screen watch "$1" >/run/watch.json &
