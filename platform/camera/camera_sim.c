@@ -4,6 +4,7 @@
  *
  *     640x480  fps=15  yuyv uyvy nv12 rgbx bgrx       what it offers; its own size, at most that of the config
  *     KIND@START+SECONDS                              a fault, from START seconds after the first look at it
+ *     control=PATH                                    a pipe (mkfifo): a line "KIND SECONDS" is a fault from now on
  *
  *     frozen   frames go on, with new numbers and times, but the picture is that of START
  *     stalled  no more frames, the device is there
@@ -13,9 +14,11 @@
  *     size     every frame has another size than was agreed
  */
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
@@ -45,6 +48,9 @@ struct sim {
 	int64_t start_ns;   /* the first look */
 	int64_t plugged_ns; /* since the start: when this session began */
 	int64_t looked;     /* number of the last frame that was looked at; -1 none */
+	int control;        /* pipe; -1 none */
+	char line[64];      /* of it, so far */
+	size_t length;
 	struct camera_status status;
 };
 
@@ -64,6 +70,49 @@ static bool parse_fault(struct sim *sim, const char *word)
 		return true;
 	}
 	return false;
+}
+
+/* Both ends are held, so that it never ends. */
+static bool open_control(struct sim *sim, const char *path)
+{
+	sim->control = open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC);
+	return sim->control >= 0;
+}
+
+/* "KIND SECONDS" */
+static void take_order(struct sim *sim, const char *line, int64_t at_ns)
+{
+	char word[16], extra;
+	double seconds;
+	int kind = 0;
+	bool whole = sscanf(line, "%15s %lf %c", word, &seconds, &extra) == 2 && seconds > 0.0 && seconds < 1e6;
+	while (whole && kind < FAULT_COUNT && strcmp(word, fault_names[kind]) != 0)
+		kind++;
+	if (!whole || kind == FAULT_COUNT) {
+		log_warn("simulated camera: '%s' is no fault and seconds", line);
+		return;
+	}
+	uint32_t place = 0; /* of one that is over, or a new one */
+	while (place < sim->fault_count && sim->faults[place].until_ns > at_ns)
+		place++;
+	if (place == FAULTS_MAX)
+		return;
+	sim->fault_count += place == sim->fault_count;
+	sim->faults[place] = (struct fault){ (enum fault_kind)kind, at_ns, at_ns + (int64_t)(seconds * 1e9) };
+}
+
+static void take_orders(struct sim *sim, int64_t at_ns)
+{
+	char c;
+	while (sim->control >= 0 && read(sim->control, &c, 1) == 1) {
+		if (c != '\n' && sim->length + 1 < sizeof(sim->line)) {
+			sim->line[sim->length++] = c;
+		} else if (c == '\n') {
+			sim->line[sim->length] = 0;
+			sim->length = 0;
+			take_order(sim, sim->line, at_ns);
+		}
+	}
 }
 
 static bool parse_word(struct sim *sim, const char *word)
@@ -86,17 +135,20 @@ static bool parse_word(struct sim *sim, const char *word)
 		config->format = format;
 		return true;
 	}
+	if (!strncmp(word, "control=", 8))
+		return open_control(sim, word + 8);
 	return parse_fault(sim, word);
 }
 
 static int parse_script(struct sim *sim, const char *script)
 {
-	char word[64];
+	char word[128];
 	while (script && *script) {
 		size_t length = strcspn(script, ",");
 		snprintf(word, sizeof(word), "%.*s", (int)length, script);
 		if (length >= sizeof(word) || (length && !parse_word(sim, word))) {
-			log_error("simulated camera: '%s' is no size up to %u x %u, no fps=N, no format and no FAULT@START+SECONDS",
+			log_error(
+				"simulated camera: '%s' is no size up to %u x %u, no fps=N, no format, no pipe, no FAULT@START+SECONDS",
 				word, sim->config.width, sim->config.height);
 			return -EINVAL;
 		}
@@ -111,10 +163,14 @@ static int sim_open(struct camera_device *camera, const struct camera_config *co
 	if (!sim)
 		return -ENOMEM;
 	sim->config = *config;
+	sim->control = -1;
 	sim->config.format = CAMERA_FORMAT_ANY;
 	int status = parse_script(sim, config->source);
-	if (status < 0)
+	if (status < 0) {
+		if (sim->control >= 0)
+			close(sim->control);
 		return status;
+	}
 	struct camera_config *own = &sim->config;
 	if (own->format == CAMERA_FORMAT_ANY)
 		own->format =
@@ -142,7 +198,10 @@ static int sim_open(struct camera_device *camera, const struct camera_config *co
 
 static void sim_close(struct camera_device *camera)
 {
-	(void)camera;
+	struct sim *sim = camera->impl;
+	if (sim->control >= 0)
+		close(sim->control);
+	sim->control = -1;
 }
 
 static const struct fault *fault_at(const struct sim *sim, enum fault_kind kind, int64_t at_ns)
@@ -194,6 +253,7 @@ static bool sim_latest(struct camera_device *camera, int64_t now_ns, struct came
 		sim->start_ns = now_ns;
 	}
 	int64_t at_ns = now_ns - sim->start_ns;
+	take_orders(sim, at_ns);
 	int64_t number = is_there(sim, at_ns) ? newest(sim, at_ns) : -1;
 	if (number < 0 || number == sim->looked)
 		return false;

@@ -309,10 +309,16 @@ static int start_child(struct session *session)
 {
 	struct arguments *arguments = session->arguments;
 	const char *all[CHILD_ARGUMENTS_MAX] = { "--can", arguments->can };
-	char gpio[100];
+	char gpio[100], camera[100];
 	size_t count = 2;
 	if (!arguments->run)
 		return 0;
+	if (!arguments->camera) {
+		arguments->camera = session->child.camera;
+		snprintf(camera, sizeof(camera), "sim:control=%s", session->child.camera);
+		all[count++] = "--camera";
+		all[count++] = camera;
+	}
 	if (!arguments->gpio) {
 		arguments->gpio = session->child.gpio;
 		snprintf(gpio, sizeof(gpio), "sim:%s", session->child.gpio);
