@@ -22,6 +22,9 @@
 #define TICK_NS BUS_TICK_NS
 #define LATE_NS (200 * NS_PER_MS) /* later than this the car has stood still meanwhile */
 #define SHOW_TICKS 20
+#define MEET_NS (60 * NS_PER_S)
+#define MEET_STEP_NS (20 * NS_PER_MS)
+#define NOBODYS_ID 0x7FFu
 #define SCRIPTS_MAX 64
 #define BUS_BYTES ((size_t)4 << 20)
 
@@ -409,8 +412,19 @@ static bool is_over(struct session *session)
 	return sim->ended && !session->keys.terminal; /* before a driver it stays parked */
 }
 
+/* A child takes a moment to start: the drive begins when it hears something. */
+static void meet_child(struct session *session)
+{
+	const struct can_frame_rx nothing = { .id = NOBODYS_ID };
+	int64_t until_ns = clock_now_ns() + MEET_NS;
+	while (session->arguments->run && !stop_asked && clock_now_ns() < until_ns && child_runs(&session->child) &&
+		   can_bus_write(session->bus, &nothing) != 0)
+		clock_sleep_until(clock_now_ns() + MEET_STEP_NS);
+}
+
 static void run(struct session *session)
 {
+	meet_child(session);
 	int64_t due_ns = clock_now_ns();
 	while (!is_over(session)) {
 		clock_sleep_until(due_ns);
