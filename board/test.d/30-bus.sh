@@ -1,5 +1,5 @@
 #!/bin/sh
-# short: the bus goes and comes back: bus off, down, deleted and made again
+# the bus goes and comes back: bus off, down, deleted and made again
 frames() { stat_of .vehicle.frames_in; }
 # grows: the car is heard: more frames of it a moment later.
 grows() {
@@ -34,6 +34,7 @@ note 'up to first statistics with new frames, ms' "$took_ms"
 can_delete vcan0
 sleep 1
 watch_start 3
+sleep 3
 check 'the picture goes on without the interface' at_most 2000 "$(watch_end)"
 screen bus-deleted
 can_make vcan0

@@ -11,6 +11,7 @@ run_load() {
 
 # Recorded: every frame of the bus comes up, none is filtered out by the kernel.
 recording=/var/lib/boulevard/load.candump
+close_pin ignition
 unit_start --display kms --record $recording --record-limit 200
 sleep 2
 before=$(cpu_ms)

@@ -1,6 +1,7 @@
 /*
  * A full bus: sends numbered frames at a steady rate, and counts in a recording which of them are missing.
  *   can_load INTERFACE RATE SECONDS     identifiers 600 to 6FF; prints how many were sent
+ *   can_load --play LOG INTERFACE       a log, again and again, at its pace whatever the wall clock is set to
  *   can_load --check LOG...             in the order of time; prints lines, and numbers that are missing or doubled
  */
 #include <errno.h>
@@ -50,7 +51,7 @@ static int send_all(struct can_bus *bus, double rate, double seconds)
 	return 0;
 }
 
-static int load(const char *interface, double rate, double seconds)
+static struct can_bus *open_bus(const char *interface)
 {
 	static _Alignas(64) uint8_t memory[1 << 20];
 	const struct can_bus_filter none = { .id = 0 };
@@ -62,11 +63,53 @@ static int load(const char *interface, double rate, double seconds)
 	arena_init(&arena, "load", memory, sizeof(memory));
 	bool local = strchr(interface, ':') != NULL;
 	int status = can_bus_open(&bus, local ? &can_socket_ops : &can_socketcan_ops, &config, &arena);
-	if (status) {
-		fprintf(stderr, "can_load: %s: %s\n", interface, strerror(-status));
-		return 1;
+	if (!status)
+		return bus;
+	fprintf(stderr, "can_load: %s: %s\n", interface, strerror(-status));
+	return NULL;
+}
+
+/* Once through the log. Returns 1 when it cannot be read or sent. */
+static int play_once(struct can_bus *bus, FILE *log)
+{
+	char line[CANDUMP_LINE_SIZE];
+	int64_t start_ns = clock_now_ns(), first_ns = -1;
+	while (fgets(line, sizeof(line), log)) {
+		struct candump_record record;
+		if (candump_parse(line, strcspn(line, "\n"), &record))
+			continue;
+		if (first_ns < 0)
+			first_ns = record.frame.time_ns;
+		clock_sleep_until(start_ns + record.frame.time_ns - first_ns);
+		int status = can_bus_write(bus, &record.frame);
+		if (status < 0 && status != -ENOBUFS) {
+			fprintf(stderr, "can_load: cannot send: %s\n", strerror(-status));
+			return 1;
+		}
 	}
-	status = send_all(bus, rate, seconds);
+	rewind(log);
+	return first_ns < 0;
+}
+
+static int play(const char *interface, const char *path)
+{
+	struct can_bus *bus = open_bus(interface);
+	FILE *log = fopen(path, "r");
+	int status = !bus || !log;
+	if (!log)
+		fprintf(stderr, "can_load: %s: %s\n", path, strerror(errno));
+	while (!status)
+		status = play_once(bus, log);
+	if (log)
+		fclose(log);
+	can_bus_close(bus);
+	return status;
+}
+
+static int load(const char *interface, double rate, double seconds)
+{
+	struct can_bus *bus = open_bus(interface);
+	int status = bus ? send_all(bus, rate, seconds) : 1;
 	can_bus_close(bus);
 	return status;
 }
@@ -114,8 +157,10 @@ int main(int argc, char **argv)
 			(unsigned long long)count.doubled);
 		return 0;
 	}
+	if (argc == 4 && !strcmp(argv[1], "--play"))
+		return play(argv[3], argv[2]);
 	if (argc != 4 || atof(argv[2]) <= 0.0 || atof(argv[3]) <= 0.0) {
-		fprintf(stderr, "usage: can_load INTERFACE RATE SECONDS | can_load --check LOG...\n");
+		fprintf(stderr, "usage: can_load INTERFACE RATE SECONDS | --play LOG INTERFACE | --check LOG...\n");
 		return 2;
 	}
 	return load(argv[1], atof(argv[2]), atof(argv[3]));
