@@ -8,7 +8,7 @@ grows() {
 	[ "$(frames)" -gt "$grows_before" ]
 }
 close_pin ignition
-unit_start --display kms
+unit_start
 drive_start 20
 check 'the car is heard' within 10 grows
 screen bus-good
@@ -29,18 +29,18 @@ check 'the picture stays while the interface is down' unit_running
 ip link set vcan0 up
 drive_start 20
 check 'the car is heard again after down and up' within 2 grows
-note 'up to first statistics with new frames, ms' "$took_ms"
+note 'up to first statistics with new frames, native ms' "$took_ms"
 
 can_delete vcan0
 sleep 1
 watch_start 3
-sleep 3
-check 'the picture goes on without the interface' at_most 2000 "$(watch_end)"
+watch_end >/dev/null
+check 'the picture goes on without the interface' at_most 2000 "$gap_ms"
 screen bus-deleted
 can_make vcan0
 drive_start 20
 check 'the car is heard again after deleting and making it' within 2 grows
-note 'made again to first statistics with new frames, ms' "$took_ms"
+note 'made again to first statistics with new frames, native ms' "$took_ms"
 sleep 1
 screen bus-again
 check 'nothing was restarted' test "$(unit_restarts)" = 0

@@ -1,10 +1,9 @@
 #!/bin/sh
 # the clock is set back a year, and forward two
-load=$(dirname "$(dirname "$CITY")")/tests/can_load
-[ -x "$load" ] || skip "$load is not built"
+command -v can_load >/dev/null || skip 'no can_load'
 close_pin ignition
-unit_start --display kms
-"$load" --play "$DRIVE" vcan0 & # canplayer's pace is the wall clock's
+unit_start
+can_load --play "$DRIVE" vcan0 & # canplayer's pace is the wall clock's
 player=$!
 heard() { [ "$(stat_of .vehicle.frames_in)" -gt "${1:-0}" ]; }
 check 'the car is heard' within 10 heard
@@ -15,9 +14,9 @@ for step in '1 year ago' '2 years' '1 year ago'; do
 	sleep 0.5
 	date -s "$step" >/dev/null
 	check "clock to '$step': the car is heard within 2 s" within 2 heard "$((before + 20))"
-	gap=$(watch_end)
-	check "clock to '$step': no picture takes 2 s" at_most 2000 "$gap"
-	note "longest time without a picture, clock to '$step', ms" "$gap"
+	watch_end >/dev/null
+	check "clock to '$step': no picture takes 2 s" at_most 2000 "$gap_ms"
+	note "longest time without a picture, clock to '$step', native ms" "$gap_ms"
 	check "clock to '$step': no signal has become older" at_most "$((stale_before + 1000))" "$(stat_of .vehicle.stale_ms_max)"
 done
 kill "$player"

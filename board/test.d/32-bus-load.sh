@@ -1,18 +1,17 @@
 #!/bin/sh
 # 8,000 frames a second for 60 s: none is lost, and what they cost (not arm64)
 rate=${LOAD_RATE:-8000} seconds=${LOAD_SECONDS:-60}
-load=$(dirname "$(dirname "$CITY")")/tests/can_load
-[ -x "$load" ] || skip "$load is not built"
+command -v can_load >/dev/null || skip 'no can_load'
 cpu_ms() { stat_of .can.cpu_ms; }
 run_load() {
-	"$load" vcan0 "$rate" "$seconds" >"$OUT/load.json" || return 1
+	can_load vcan0 "$rate" "$seconds" >"$OUT/load.json" || return 1
 	sleep 2
 }
 
 # Recorded: every frame of the bus comes up, none is filtered out by the kernel.
 recording=/var/lib/boulevard/load.candump
 close_pin ignition
-unit_start --display kms --record $recording --record-limit 200
+unit_start --record $recording --record-limit 200
 sleep 2
 before=$(cpu_ms)
 check "the bus carries $((rate * seconds)) frames" run_load
@@ -21,12 +20,12 @@ check 'the kernel lost none before we read them' test "$(stat_of .can.frames_los
 check 'the recording lost none' test "$(stat_of .record.lost)" = 0
 note 'CPU of reception, every frame, us a frame in this guest' "$(awk "BEGIN { print ($(cpu_ms) - $before) * 1000 / ($rate * $seconds) }")"
 unit_stop
-"$load" --check $recording >"$OUT/load-check.json"
+can_load --check $recording >"$OUT/load-check.json"
 check 'every number is in the recording, once' jq -e ".numbered == $rate * $seconds and .missing == 0 and .doubled == 0" "$OUT/load-check.json"
 rm -f $recording $recording.1
 
 # Not recorded: only the identifiers in use leave the kernel.
-unit_start --display kms
+unit_start
 sleep 2
 before=$(cpu_ms) seconds=10
 check 'the same with the filters of the signals in use' run_load
