@@ -3,7 +3,7 @@
 
 #define GRID_HEIGHT 6.0f
 #define GAP 2.2f /* between letters, grid units */
-#define BLANK 2.4f
+#define BLANK 1.0f
 #define WIDTH 0.95f /* of a stroke */
 #define POINTS_MAX 20
 
