@@ -51,9 +51,11 @@ static struct camera_device open_sim(const char *script)
 static void scripts_are_checked(void **state)
 {
 	(void)state;
-	static const char *const bad[] = { "frozen", "frozen@1", "frozen@1+0", "frozen@-1+2", "frozen@1+2x", "melted@1+2",
-		"4000x2000", "8x8", "fps=0", "fps=1000", "planes", "mjpeg", "auto", "320x180x", ",,x",
-		"frozen@00000000000000000000000000000000000000000000000000000000000000001+1" };
+	char overlong[300] = "frozen@1+1";
+	memset(overlong + 7, '0', sizeof(overlong) - 11);
+	memcpy(overlong + sizeof(overlong) - 4, "1+1", 4);
+	const char *const bad[] = { "frozen", "frozen@1", "frozen@1+0", "frozen@-1+2", "frozen@1+2x", "melted@1+2",
+		"4000x2000", "8x8", "fps=0", "fps=1000", "planes", "mjpeg", "auto", "320x180x", ",,x", overlong };
 	for (size_t i = 0; i < sizeof(bad) / sizeof(bad[0]); i++) {
 		struct arena arena;
 		struct camera_device camera;
