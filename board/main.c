@@ -51,6 +51,7 @@ struct machine {
 	struct menu menu;
 	struct display display;
 	struct panel_pace pace;
+	bool touched; /* somebody turned or pressed something since the last frame */
 	struct screen screen;
 	struct reverse reverse;
 	struct city city;
@@ -201,9 +202,12 @@ static void begin_map(struct machine *m)
 /* Whether to go on: the map is there, may still come, or there is a camera without it. */
 static bool step_map(struct machine *m)
 {
+	enum city_state before = m->city.state;
 	m->loading = true;
 	city_step(&m->city);
 	m->loading = false;
+	if (m->city.state == CITY_READY && before != CITY_READY)
+		stats_phase(&m->stats, "map", m->started_ns);
 	return m->city.state != CITY_FAILED || reverse_has_camera(&m->reverse);
 }
 
@@ -216,8 +220,10 @@ static int start(struct machine *m)
 		return EXIT_CODE_FAILED;
 	if (m->options.frames && make_frames_folder(m->options.frames) < 0)
 		return EXIT_CODE_FAILED;
+	stats_phase(&m->stats, "profile", m->started_ns);
 	if (open_display(m) < 0 || open_screen(m) < 0)
 		return EXIT_CODE_FAILED;
+	stats_phase(&m->stats, "display", m->started_ns);
 	int status = reverse_open(&m->reverse, &m->options, &m->profile, &m->screen, m->simulated, &m->boot);
 	if (status < 0)
 		return status == -EINVAL ? EXIT_CODE_BAD_INPUT : EXIT_CODE_FAILED;
@@ -229,6 +235,7 @@ static int start(struct machine *m)
 	if (status < 0)
 		return status == -ENOMEM ? EXIT_CODE_FAILED : EXIT_CODE_BAD_INPUT;
 	standby_open(&m->standby, &m->options, &m->profile);
+	stats_phase(&m->stats, "inputs", m->started_ns);
 	begin_map(m);
 	if (m->simulated && !step_map(m))
 		return m->city.exit_code;
@@ -253,6 +260,9 @@ static void gather_stats(struct machine *m)
 	s->cpu_high_water_bytes = m->boot.high_water;
 	s->gpu_high_water_bytes = gfx_stats(m->screen.gfx)->bytes_high_water;
 	s->allocations_after_start = m->boot.late;
+	s->display = m->display.ops->name;
+	memcpy(s->display_detail, m->display.detail, sizeof(s->display_detail));
+	s->display_counts = m->display.counts;
 	inputs_stats(&m->inputs, s);
 	reverse_stats(&m->reverse, &s->camera);
 	controls_stats(&m->controls, &s->controls);
@@ -286,7 +296,7 @@ static void act(struct machine *m, enum action action)
 static void handle_controls(struct machine *m, int64_t now_ns)
 {
 	controls_advance(&m->controls, controls_time(m, now_ns));
-	for (enum action action; (action = controls_next(&m->controls)) != ACTION_NONE;)
+	for (enum action action; (action = controls_next(&m->controls)) != ACTION_NONE; m->touched = true)
 		act(m, action);
 	if (m->city.renderer)
 		settings_apply(&m->settings, m->city.renderer);
@@ -301,6 +311,7 @@ static void handle_events(struct machine *m)
 			m->quit = true;
 		else if (event.kind == DISPLAY_EVENT_KEY)
 			act(m, controls_action_of_key(event.key));
+		m->touched = true;
 	}
 }
 
@@ -324,6 +335,7 @@ static void count_map_frame(struct machine *m, const struct nav_view *view)
 		m->last_half = view->half;
 	}
 	if (!m->city.drawn) {
+		stats_phase(s, "picture", m->started_ns);
 		s->first_frame_ms = (double)(clock_now_ns() - m->started_ns) / 1e6;
 		arena_seal(&m->boot);
 	}
@@ -417,6 +429,19 @@ static int save_frame(struct machine *m)
 	return png_write(path, m->pixels, m->options.width, m->options.height);
 }
 
+/* As bright as the light around the car wants it. */
+static void set_brightness(struct machine *m, int64_t now_ns, bool dark)
+{
+	struct renderer_stats drawn = { 0 };
+	if (m->city.renderer)
+		renderer_stats(m->city.renderer, &drawn);
+	struct panel_scene scene = { .now_ns = now_ns,
+		.dark = dark,
+		.night = is_night(m) ? 1.0 : drawn.night,
+		.ambient = m->settings.light == LIGHT_AUTO ? m->inputs.state.ambient : -1.0 };
+	display_set_brightness(&m->display, panel_level(&m->pace, &scene));
+}
+
 /* Nothing to see: the ignition is off. */
 static int draw_dark(struct machine *m)
 {
@@ -430,7 +455,11 @@ static int draw_dark(struct machine *m)
 /* The frames' clock of the next frame; waits for it unless the clock is simulated. */
 static int64_t next_time(struct machine *m, int64_t last_ns)
 {
-	int64_t period = NS_PER_S / power_fps(&m->standby.power, m->options.fps);
+	int64_t period =
+		NS_PER_S / power_fps(&m->standby.power, panel_fps(&m->pace, &(struct panel_scene){ .now_ns = last_ns,
+																		.speed_mps = m->inputs.state.speed_mps,
+																		.touched = m->touched }));
+	m->touched = false;
 	if (m->simulated)
 		return (int64_t)m->stats.frames * NS_PER_S / m->options.fps;
 	clock_sleep_until(m->origin_ns + last_ns + period);
@@ -488,6 +517,8 @@ static int step(struct machine *m, int64_t now_ns)
 	m->quit |= order == STANDBY_END;
 	if (m->display.hidden)
 		return 0;
+	if (!m->simulated)
+		set_brightness(m, now_ns, order != STANDBY_RUN);
 	if (order != STANDBY_RUN)
 		return draw_dark(m);
 	if (!draw(m, now_ns, &view)) {

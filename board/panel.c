@@ -65,32 +65,25 @@ void panel_pace_init(struct panel_pace *pace, const struct options *options, con
 	*pace = (struct panel_pace){
 		.fps = options->fps,
 		.fps_standstill = profile->fps_standstill,
-		.fps_ignition_off = profile->fps_ignition_off,
 		.brightness_day = (float)profile->brightness_day,
 		.brightness_night = (float)profile->brightness_night,
 		.level = -1.0f,
 	};
 }
 
-static uint32_t lower(uint32_t fps, uint32_t cap)
-{
-	return cap && cap < fps ? cap : fps;
-}
-
 uint32_t panel_fps(struct panel_pace *pace, const struct panel_scene *scene)
 {
 	if (scene->touched || fabs(scene->speed_mps) > STANDING_MPS)
 		pace->busy_until_ns = scene->now_ns + BUSY_NS;
-	uint32_t fps = pace->fps;
-	if (scene->now_ns >= pace->busy_until_ns)
-		fps = lower(fps, pace->fps_standstill);
-	return scene->ignition_off ? lower(fps, pace->fps_ignition_off) : fps;
+	bool slow = scene->now_ns >= pace->busy_until_ns && pace->fps_standstill && pace->fps_standstill < pace->fps;
+	return slow ? pace->fps_standstill : pace->fps;
 }
 
 float panel_level(struct panel_pace *pace, const struct panel_scene *scene)
 {
 	double dark = scene->ambient >= 0.0 ? fmax(scene->night, 1.0 - fmin(1.0, scene->ambient * 4.0)) : scene->night;
 	float wanted = pace->brightness_day + (pace->brightness_night - pace->brightness_day) * (float)dark;
+	wanted = scene->dark ? 0.0f : wanted;
 	double passed_s = (double)(scene->now_ns - pace->dimmed_ns) / (double)NS_PER_S;
 	float step = (float)fmin(1.0, fmax(0.0, passed_s / DIM_S));
 	pace->dimmed_ns = scene->now_ns;

@@ -24,22 +24,22 @@ int panel_show(struct display *display, const struct screen *screen, const uint8
 struct panel_scene {
 	int64_t now_ns;
 	double speed_mps;
-	bool ignition_off;
-	bool touched;   /* a knob was turned, a key pressed since the last call */
+	bool touched;   /* a knob was turned or a key pressed since the last call */
+	bool dark;      /* the ignition is off: nothing is to be seen */
 	double night;   /* 0 day to 1 night */
 	double ambient; /* 0 dark to 1; negative unknown */
 };
 
 struct panel_pace {
-	uint32_t fps, fps_standstill, fps_ignition_off; /* 0: as fps */
-	float brightness_day, brightness_night;         /* 0 to 1 */
-	int64_t busy_until_ns;                          /* at full rate so long, whatever the car does */
-	int64_t dimmed_ns;                              /* when `level` was last changed */
+	uint32_t fps, fps_standstill;           /* 0: as fps */
+	float brightness_day, brightness_night; /* 0 to 1 */
+	int64_t busy_until_ns;                  /* at full rate so long, whatever the car does */
+	int64_t dimmed_ns;                      /* when `level` was last changed */
 	float level;
 };
 
 void panel_pace_init(struct panel_pace *pace, const struct options *options, const struct profile *profile);
-/* Pictures a second for the scene: never above the wanted rate. */
+/* Pictures a second with the ignition on: fewer while the car stands and nobody turns anything. */
 uint32_t panel_fps(struct panel_pace *pace, const struct panel_scene *scene);
 /* Brightness, 0 to 1, that follows the light within two seconds. */
 float panel_level(struct panel_pace *pace, const struct panel_scene *scene);

@@ -6,6 +6,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "platform/base/clock.h"
+
 /* Values below HISTOGRAM_STEPS have a bin each; above, each factor of two is cut into HISTOGRAM_STEPS / 2 equal bins.
  */
 static uint32_t bin_of(uint64_t value)
@@ -114,6 +116,41 @@ static void print_controls(FILE *to, const struct control_stats *c)
 		c->zoom, c->menu_open ? "true" : "false", c->reverse ? "true" : "false", c->ignition ? "true" : "false");
 }
 
+void stats_phase(struct stats *stats, const char *name, int64_t began_ns)
+{
+	struct start_phase now = { name, (double)clock_cpu_ns() / 1e6, (double)(clock_now_ns() - began_ns) / 1e6 };
+	for (uint32_t i = 0; i < stats->start_phase_count; i++) {
+		now.cpu_ms -= stats->start_phases[i].cpu_ms;
+		now.wall_ms -= stats->start_phases[i].wall_ms;
+	}
+	if (stats->start_phase_count < START_PHASES_MAX)
+		stats->start_phases[stats->start_phase_count++] = now;
+}
+
+static void print_start(const struct stats *s, FILE *to)
+{
+	double cpu_ms = 0.0;
+	for (uint32_t i = 0; i < s->start_phase_count; i++)
+		cpu_ms += s->start_phases[i].cpu_ms;
+	fprintf(to, "  \"start_ms\": {\"first_frame\": %.1f, \"cpu\": %.1f, \"phases\": {", s->first_frame_ms, cpu_ms);
+	for (uint32_t i = 0; i < s->start_phase_count; i++)
+		fprintf(to, "%s\"%s\": {\"cpu\": %.1f, \"wall\": %.1f}", i ? ", " : "", s->start_phases[i].name,
+			s->start_phases[i].cpu_ms, s->start_phases[i].wall_ms);
+	fprintf(to, "}},\n");
+}
+
+static void print_display(const struct stats *s, FILE *to)
+{
+	const struct display_counts *counts = &s->display_counts;
+	fprintf(to, "  \"display\": {\"name\": ");
+	print_string(to, s->display);
+	fprintf(to, ", \"detail\": ");
+	print_string(to, s->display_detail);
+	fprintf(to, ", \"flips\": %llu, \"missed\": %llu, \"modesets\": %u, \"hotplugs\": %u, \"switches\": %u},\n",
+		(unsigned long long)counts->flips, (unsigned long long)counts->missed, counts->modesets, counts->hotplugs,
+		counts->switches);
+}
+
 void stats_print_json(const struct stats *s, FILE *to)
 {
 	fprintf(to, "{\n  \"frames\": %llu,\n  \"renderer\": ", (unsigned long long)s->frames);
@@ -136,7 +173,8 @@ void stats_print_json(const struct stats *s, FILE *to)
 		"\"allocations_after_start\": %llu, \"peak_rss_bytes\": %llu},\n",
 		(unsigned long long)s->budget_bytes, (unsigned long long)s->cpu_high_water_bytes,
 		(unsigned long long)s->gpu_high_water_bytes, (unsigned long long)s->allocations_after_start, peak_rss_bytes());
-	fprintf(to, "  \"start_ms\": {\"first_frame\": %.1f},\n", s->first_frame_ms);
+	print_start(s, to);
+	print_display(s, to);
 	fprintf(to, "  \"route\": {\"reroutes\": %llu, \"off_street_frames\": %llu},\n", (unsigned long long)s->reroutes,
 		(unsigned long long)s->off_street_frames);
 	fprintf(to, "  \"can\": {\"frames_lost\": %llu, \"error_frames\": %llu, \"cpu_ms\": %.1f},\n",

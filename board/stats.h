@@ -9,6 +9,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "platform/display/display.h"
+
 #define HISTOGRAM_STEPS 128 /* per factor of two */
 #define HISTOGRAM_OCTAVES 40
 
@@ -52,6 +54,13 @@ struct control_stats {
 	bool menu_open, reverse, ignition;
 };
 
+/* A stretch of the start: processor time of all threads, and time that passed. */
+struct start_phase {
+	const char *name;
+	double cpu_ms, wall_ms;
+};
+#define START_PHASES_MAX 8
+
 struct stats {
 	struct histogram frame_ns, triangles, far_triangles, draws;
 	uint64_t frames;
@@ -68,6 +77,11 @@ struct stats {
 	double far_error_px;                    /* largest bound of a far point's displacement */
 	uint64_t budget_bytes, cpu_high_water_bytes, gpu_high_water_bytes, allocations_after_start;
 	double first_frame_ms;
+	struct start_phase start_phases[START_PHASES_MAX];
+	uint32_t start_phase_count;
+	const char *display; /* its name; borrowed */
+	char display_detail[64];
+	struct display_counts display_counts;
 	uint64_t can_frames_in, can_frames_bad;
 	uint64_t can_frames_lost; /* by the kernel, before we read them */
 	uint64_t can_errors;      /* error frames */
@@ -78,6 +92,9 @@ struct stats {
 	struct camera_stats camera;
 	struct control_stats controls;
 };
+
+/* The phase that ends now; `began_ns` is when the process did, clock_now_ns(). */
+void stats_phase(struct stats *stats, const char *name, int64_t began_ns);
 
 void stats_print_json(const struct stats *stats, FILE *to);
 

@@ -524,6 +524,7 @@ void renderer_stats(const struct renderer *renderer, struct renderer_stats *out)
 		.chunks_dropped = residency->dropped,
 		.chunks_evicted = residency->evicted,
 		.upload_pending_bytes = residency->pending_bytes,
+		.night = renderer->light.night,
 		.gl_renderer = gfx_caps(renderer->gfx)->renderer,
 		.samples = gfx_target_samples(renderer->gfx, renderer->target),
 	};
