@@ -44,6 +44,16 @@ static uint64_t slot_bytes(const struct pkg *pkg)
 		   2 * PKG_IMPOSTOR_VIEWS_MAX * sizeof(struct pkg_impostor_view);
 }
 
+void resident_need_whole(const struct pkg *pkg, struct resident_need *out)
+{
+	uint64_t vertices, indices;
+	*out =
+		(struct resident_need){ .textures = texture_bytes(pkg), .slot = slot_bytes(pkg), .reach_m = find_reach_m(pkg) };
+	residency_totals(pkg, &vertices, &indices);
+	out->geometry = vertices * sizeof(struct pkg_mesh_vertex) + indices * sizeof(uint16_t);
+	out->sum = out->textures + out->geometry + RESIDENT_SLOTS * out->slot;
+}
+
 int resident_need(const struct pkg *pkg, struct arena *scratch, struct resident_need *out)
 {
 	uint64_t vertices, indices;

@@ -22,6 +22,9 @@ struct resident_need {
 	double reach_m;    /* how far from an eye in a view cell a chunk of the cell's local model may be */
 };
 
+/* With room for the whole city's geometry: an upper bound that costs nothing to find. */
+void resident_need_whole(const struct pkg *pkg, struct resident_need *out);
+
 /* Returns 0 or -ENOMEM. */
 int resident_need(const struct pkg *pkg, struct arena *scratch, struct resident_need *out);
 

@@ -24,7 +24,6 @@
 #include "board/standby.h"
 #include "board/stats.h"
 #include "platform/base/clock.h"
-#include "platform/base/driver_heap.h"
 #include "platform/base/log.h"
 #include "platform/base/notify.h"
 #include "platform/display/display.h"
@@ -32,7 +31,6 @@
 
 #define CPU_SHARE_MIN ((uint64_t)3 << 20)
 #define CPU_SHARE_MAX ((uint64_t)96 << 20)
-#define DRIVER_HEAP_BYTES ((size_t)384 << 20) /* of address space */
 #define MOVING_MPS 1.4
 #define LOADING_STEP_NS (2 * NS_PER_MS)
 #define WHILE_LOADING_NS (15 * NS_PER_MS) /* from one look at the inputs to the next */
@@ -591,7 +589,6 @@ const char *__asan_default_options(void)  /* NOLINT */
 int main(int argc, char **argv)
 {
 	machine.started_ns = clock_now_ns();
-	driver_heap_reserve(DRIVER_HEAP_BYTES);
 	catch_signals();
 	log_init("boulevard", LOG_INFO);
 	options_parse(&machine.options, argc, argv);

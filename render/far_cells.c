@@ -12,6 +12,7 @@
 #include "render/see_through.h"
 
 #define SLOTS_MAX 16
+#define SLOTS_MAX_SOFTWARE 10 /* a CPU keeps pages decoded: four times the bytes, all written at start */
 #define SLOTS_MIN 4
 #define STORE_BYTES (UINT64_C(32) << 20) /* slots are fewer than SLOTS_MAX when they would take more */
 #define DISSOLVE_NS (200 * NS_PER_MS)
@@ -32,7 +33,8 @@ static uint32_t slots_that_fit(const struct far_cells *cells)
 			 most = gfx_caps(cells->repr->gfx)->max_array_layers;
 	if (layers && count > most / layers)
 		count = most / layers;
-	return count > SLOTS_MAX ? SLOTS_MAX : count < SLOTS_MIN ? SLOTS_MIN : (uint32_t)count;
+	const uint64_t slots_max = gfx_caps(cells->repr->gfx)->software ? SLOTS_MAX_SOFTWARE : SLOTS_MAX;
+	return count > slots_max ? (uint32_t)slots_max : count < SLOTS_MIN ? SLOTS_MIN : (uint32_t)count;
 }
 
 int far_cells_init(
@@ -70,6 +72,9 @@ static void upload(struct far_cells *cells, uint64_t left_bytes)
 {
 	for (;;) {
 		uint32_t slot = cell_cache_next_ready(cells->cache);
+		const struct cell_set *own = slot != CELL_SLOT_NONE ? &cell_cache_slot(cells->cache, slot)->pvs : NULL;
+		if (own && cells->store.slots[slot].step == STORED_NOTHING)
+			near_mesh_need(cells->repr->mesh, own->vertices, own->vertex_count);
 		if (slot == CELL_SLOT_NONE ||
 			!cell_store_upload(&cells->store, slot, cell_cache_slot(cells->cache, slot), &left_bytes))
 			return;

@@ -35,6 +35,8 @@
 #define SPLIT_M 150.0
 #define LEAST_DAY_RAD 0.35 /* the sun's height in the look of the day */
 #define JUMP_MM 200000
+#define SLOTS_ROOM_BYTES (UINT64_C(32) << 20) /* all that the cells' slots can use */
+#define OPENING_MM 120000.0
 #define SEEN_MIN_M 500.0  /* what stands in for a cell is geometry up to here */
 #define SEE_AHEAD_M 180.0 /* of the route, past buildings */
 #define SEE_BEHIND_M 30.0 /* the next manoeuvre */
@@ -112,7 +114,8 @@ static int make_objects(struct renderer *renderer, struct arena *arena)
 	return err;
 }
 
-/* Until the car is known: over the south of the streets (their mean and spread), looking north and down. */
+/* Until the car is known: over the middle of the streets (their mean and spread), looking north and down. Low enough
+ * over a large city that the first picture is a quarter, not two million triangles. */
 static struct camera_pose opening_pose(const struct pkg *pkg)
 {
 	const struct pkg_graph *graph = &pkg->graph;
@@ -122,7 +125,8 @@ static struct camera_pose opening_pose(const struct pkg *pkg)
 			sum[axis] += graph->nodes[i].pos_mm[axis];
 	for (uint32_t i = 0; i < graph->node_count; i++)
 		spread += fabs(graph->nodes[i].pos_mm[1] - sum[1] / count) / count;
-	struct camera_pose pose = { .pitch_rad = -0.6 };
+	struct camera_pose pose = { .pitch_rad = -0.75 };
+	spread = fmin(spread, OPENING_MM);
 	pose.eye_mm[0] = llrint(sum[0] / count);
 	pose.eye_mm[1] = llrint(sum[1] / count - spread * 2.2);
 	pose.eye_mm[2] = llrint(sum[2] / count + spread * 1.5 + 40000.0);
@@ -144,7 +148,8 @@ static int share_budget(
 	const struct renderer_config *config = &renderer->config;
 	uint64_t used = gfx_stats(renderer->gfx)->bytes, budget = city_budget(renderer);
 	uint64_t left = budget > used ? budget - used : 0;
-	int status = resident_need(renderer->pkg, arena, need);
+	resident_need_whole(renderer->pkg, need);
+	int status = need->sum + SLOTS_ROOM_BYTES <= left ? 0 : resident_need(renderer->pkg, arena, need);
 	if (status < 0)
 		return status;
 	uint64_t bound = renderer->pkg->meta->resident_bound_bytes;
@@ -318,11 +323,14 @@ static void load(struct renderer *renderer, const struct nav_view *nav, int64_t 
 	if (split_m > 0.0)
 		camera_split(&renderer->view, split_m, far_m);
 	double reach_m = repr->ops->reach_m ? repr->ops->reach_m(repr) : far_m;
-	near_mesh_load_seen(&renderer->mesh, &renderer->view, fmax(reach_m * 2.0, SEEN_MIN_M));
 	/* the rest of a city that has room for all of it can wait; what belongs around a place cannot */
-	bool all = jumped && !renderer->mesh.residency.whole, first = !renderer->primed;
+	struct near_mesh *mesh = &renderer->mesh;
+	bool all = jumped && !mesh->residency.whole, first = !renderer->primed;
 	if (!first || all)
-		near_mesh_load(&renderer->mesh, eye_mm, reach_m, all ? UINT64_MAX : renderer->config.upload_slice_bytes);
+		near_mesh_load(mesh, eye_mm, reach_m, all ? UINT64_MAX : renderer->config.upload_slice_bytes);
+	near_mesh_load_seen(mesh, &renderer->view, fmax(reach_m * 2.0, SEEN_MIN_M));
+	if (!first)
+		near_mesh_load_textures(mesh);
 	memcpy(renderer->loaded_mm, eye_mm, sizeof(renderer->loaded_mm));
 	renderer->primed = true;
 }

@@ -56,7 +56,7 @@ struct renderer_stats {
 	uint64_t chunks_dropped;                                 /* uploads that found the pool full, since start */
 	uint64_t chunks_evicted;
 	uint64_t upload_pending_bytes; /* known to be wanted, not yet there */
-	double night; /* 0 day to 1 night: how the last frame was lit */
+	double night;                  /* 0 day to 1 night: how the last frame was lit */
 	const char *gl_renderer;
 	uint32_t samples;
 };

@@ -125,7 +125,8 @@ static int make_runs(struct near_mesh *mesh, struct arena *arena)
 	uint32_t chunks = mesh->pkg->chunk_count, sum = 0;
 	mesh->first_run = ARENA_ARRAY(arena, uint32_t, chunks);
 	mesh->run_count = ARENA_ARRAY(arena, uint32_t, chunks);
-	if (!mesh->first_run || !mesh->run_count)
+	mesh->textured = ARENA_ARRAY(arena, uint8_t, chunks);
+	if (!mesh->first_run || !mesh->run_count || !mesh->textured)
 		return -ENOMEM;
 	for (uint32_t i = 0; i < chunks; i++) {
 		mesh->first_run[i] = sum;
@@ -236,6 +237,20 @@ static void find_runs(struct near_mesh *mesh, uint32_t id)
 	}
 }
 
+void near_mesh_need(struct near_mesh *mesh, const struct pkg_mesh_vertex *vertices, uint32_t count)
+{
+	uint32_t wanted[256 / 32] = { 0 };
+	for (uint32_t i = 0; i < count; i++)
+		wanted[vertices[i].material / 32] |= 1u << vertices[i].material % 32;
+	surfaces_load(mesh->gfx, mesh->pkg, mesh->textures, &mesh->layers, wanted);
+}
+
+void near_mesh_load_textures(struct near_mesh *mesh)
+{
+	mesh->layers_complete =
+		mesh->layers_complete || !surfaces_load_next(mesh->gfx, mesh->pkg, mesh->textures, &mesh->layers);
+}
+
 static void upload(void *context, uint32_t id, const struct residency_chunk *place)
 {
 	struct near_mesh *mesh = context;
@@ -253,24 +268,34 @@ void near_mesh_load(struct near_mesh *mesh, const int64_t eye_mm[3], double far_
 	residency_update(&mesh->residency, eye_mm, (int64_t)(far_m * 1000.0), slice_bytes, upload, mesh);
 }
 
-void near_mesh_load_seen(struct near_mesh *mesh, const struct view *view, double far_m)
-{
-	if (!mesh->residency.whole || residency_complete(&mesh->residency))
-		return;
-	for (uint32_t i = 0; i < mesh->pkg->chunk_count; i++) {
-		struct vec3 min, max;
-		if (mesh->residency.chunks[i].state != RESIDENCY_ABSENT)
-			continue;
-		view_box(view, mesh->pkg->chunks[i].min_mm, mesh->pkg->chunks[i].max_mm, &min, &max);
-		double away_m = view_box_distance_m(min, max);
-		if (away_m <= mesh->close_m || (away_m <= far_m && view_sees_box(view, min, max)))
-			residency_load_now(&mesh->residency, i, upload, mesh);
-	}
-}
-
 bool near_mesh_has(const struct near_mesh *mesh, uint32_t chunk)
 {
 	return mesh->residency.chunks[chunk].state == RESIDENCY_PRESENT;
+}
+
+static void load_seen(struct near_mesh *mesh, uint32_t id, bool seen, bool close)
+{
+	const struct pkg_chunk *chunk = &mesh->pkg->chunks[id];
+	if (mesh->residency.whole && (seen || close))
+		residency_load_now(&mesh->residency, id, upload, mesh);
+	if (!seen || mesh->textured[id] || !near_mesh_has(mesh, id))
+		return;
+	mesh->textured[id] = 1;
+	near_mesh_need(mesh, pkg_chunk_vertices(mesh->pkg, chunk), chunk->vertex_count);
+}
+
+void near_mesh_load_seen(struct near_mesh *mesh, const struct view *view, double far_m)
+{
+	if (mesh->layers_complete && (!mesh->residency.whole || residency_complete(&mesh->residency)))
+		return;
+	for (uint32_t i = 0; i < mesh->pkg->chunk_count; i++) {
+		struct vec3 min, max;
+		if (mesh->textured[i] && mesh->residency.chunks[i].state != RESIDENCY_ABSENT)
+			continue;
+		view_box(view, mesh->pkg->chunks[i].min_mm, mesh->pkg->chunks[i].max_mm, &min, &max);
+		double away_m = view_box_distance_m(min, max);
+		load_seen(mesh, i, away_m <= far_m && view_sees_box(view, min, max), away_m <= mesh->close_m);
+	}
 }
 
 static void emit_piece(struct draw_list *list, struct draw_item *item, uint32_t first, uint32_t end, float depth_m)

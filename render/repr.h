@@ -58,7 +58,7 @@ struct repr {
 	const struct repr_ops *ops;
 	struct gfx *gfx;
 	const struct pkg *pkg;
-	const struct near_mesh *mesh; /* initialised after the representation */
+	struct near_mesh *mesh; /* initialised after the representation */
 	const struct fade *fade;
 	struct visible_set *visible; /* room to find chunks in */
 	struct repr_config config;

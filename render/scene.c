@@ -2,8 +2,8 @@
 
 #include <errno.h>
 
-int scene_init(struct scene *scene, struct arena *arena, struct gfx *gfx, const struct near_mesh *mesh,
-	const struct pkg *pkg, const struct repr_ops *far_ops, const struct repr_config *config)
+int scene_init(struct scene *scene, struct arena *arena, struct gfx *gfx, struct near_mesh *mesh, const struct pkg *pkg,
+	const struct repr_ops *far_ops, const struct repr_config *config)
 {
 	*scene = (struct scene){
 		.repr = { .ops = far_ops, .gfx = gfx, .pkg = pkg, .mesh = mesh, .config = *config },

@@ -17,8 +17,8 @@ struct scene {
 
 /* Before near_mesh_init(), which takes what the representation leaves of the budget; `mesh` is only remembered. Returns
  * 0, -ENOMEM, or what the representation's init returned. */
-int scene_init(struct scene *scene, struct arena *arena, struct gfx *gfx, const struct near_mesh *mesh,
-	const struct pkg *pkg, const struct repr_ops *far_ops, const struct repr_config *config);
+int scene_init(struct scene *scene, struct arena *arena, struct gfx *gfx, struct near_mesh *mesh, const struct pkg *pkg,
+	const struct repr_ops *far_ops, const struct repr_config *config);
 void scene_finish(struct scene *scene);
 
 /* Fills scene->list, sorted. After the representation's select(). */

@@ -103,6 +103,9 @@ static int make_objects(struct capturer *capturer)
 	if (!err)
 		err = surfaces_make(
 			capturer->gfx, capturer->pkg, &capturer->materials, &capturer->textures, &capturer->light_map);
+	struct surface_layers layers = { 0 };
+	while (!err && surfaces_load_next(capturer->gfx, capturer->pkg, capturer->textures, &layers))
+		;
 	if (!err)
 		err = make_programs(capturer);
 	if (err)
