@@ -9,6 +9,8 @@ bool kms_mode_parse(const char *text, struct kms_mode_wish *out)
 	struct kms_mode_wish wish = { 0 };
 	double refresh = 0.0;
 	int size_end = 0, end = 0;
+	if (strspn(text, "0123456789") == 0 || text[strspn(text, "0123456789x")] == '-')
+		return false; /* what sscanf would take for a number */
 	if (sscanf(text, "%5ux%5u%n", &wish.width, &wish.height, &size_end) != 2 || !wish.width || !wish.height)
 		return false;
 	if (text[size_end]) {
