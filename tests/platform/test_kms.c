@@ -6,6 +6,7 @@
 /* before cmocka */
 #include <cmocka.h>
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -183,7 +184,7 @@ static drmModePropertyPtr fake_property(int fd, uint32_t id)
 	static drmModePropertyRes it;
 	(void)fd;
 	it = (drmModePropertyRes){ .prop_id = id };
-	strcpy(it.name, names[id - P_CONNECTOR_CRTC]);
+	snprintf(it.name, sizeof(it.name), "%s", names[id - P_CONNECTOR_CRTC]);
 	if (id == P_ROTATION) {
 		it.count_enums = device.rotates ? 4 : 1;
 		it.enums = turns;
@@ -484,11 +485,11 @@ static void a_panel_that_goes_and_comes_back_gets_a_modeset(void **state)
 	int64_t now = clock_now_ns();
 	kms_pump(&kms, now);
 	device.connected = false;
-	kms_pump(&kms, now += 3 * NS_PER_S);
+	kms_pump(&kms, now + 3 * NS_PER_S);
 	assert_false(kms_visible(&kms));
 	assert_int_equal(kms_show(&kms), 0);
 	device.connected = true;
-	kms_pump(&kms, now += 3 * NS_PER_S);
+	kms_pump(&kms, now + 6 * NS_PER_S);
 	assert_true(kms_visible(&kms));
 	assert_true(draw());
 	assert_int_equal(kms.counts.modesets, 2);
