@@ -545,7 +545,7 @@ static int run(struct machine *m)
 		now_ns = next_time(m, now_ns);
 		if (step(m, now_ns) < 0)
 			return EXIT_CODE_FAILED;
-		if (m->stats.frames)
+		if (m->stats.frames || m->display.hidden) /* no panel is a state, not a failed start */
 			notify_ready(&m->notify, NULL);
 		notify_alive(&m->notify, clock_now_ns());
 		if (stats_asked) {
