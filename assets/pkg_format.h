@@ -460,9 +460,11 @@ struct pkg_impostor_vertex {
 	int8_t normal_oct[2]; /* as pkg_mesh_vertex */
 };
 static_assert(sizeof(struct pkg_impostor_vertex) == 20, "on-disk layout");
+#define PKG_TRUTH_MADE_UP (UINT32_C(1) << 31)
 struct pkg_truth_texel {
-	uint32_t object; /* + 1; 0: not covered, or made up from its neighbours */
-	float pos_m[3];  /* what the texel shows, from the cell's origin */
+	uint32_t
+		object; /* + 1; 0: not covered. With PKG_TRUTH_MADE_UP: no capture saw this, pos_m is on the surface's plane */
+	float pos_m[3]; /* what the texel shows, from the cell's origin */
 };
 static_assert(sizeof(struct pkg_truth_texel) == 16, "on-disk layout");
 

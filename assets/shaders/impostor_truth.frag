@@ -11,6 +11,7 @@ layout(location = 0) out mediump vec4 o_color;
 layout(location = 1) out highp uvec4 o_truth; // object + 1, then the bits of the place from the eye, m
 
 const float CUT = 64.0 / 255.0; // PKG_PAGE_CUT
+const uint MADE_UP = 0x80000000u; // PKG_TRUTH_MADE_UP
 const uint UNKNOWN = 0xFFFFFFFFu; // TRUTH_UNKNOWN
 
 void main()
@@ -46,5 +47,5 @@ void main()
 	// something is drawn here all the same: UNKNOWN when nothing around it says what
 	highp vec3 place = object != 0u ? sum / weights : vec3(0.0);
 	o_color = vec4(0.0);
-	o_truth = uvec4(object != 0u ? object : UNKNOWN, floatBitsToUint(place + u_draw[0].xyz * 0.001));
+	o_truth = uvec4(object != 0u ? object & ~MADE_UP : UNKNOWN, floatBitsToUint(place + u_draw[0].xyz * 0.001));
 }

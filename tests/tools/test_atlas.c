@@ -422,7 +422,7 @@ static void truth_is_where_things_are(void **state)
 	size_t known = 0;
 	for (size_t i = 0; i < made.page_count * PAGE_TEXELS; i++) {
 		const struct pkg_truth_texel *texel = &made.truth[i];
-		if (!texel->object)
+		if (!texel->object || texel->object & PKG_TRUTH_MADE_UP)
 			continue;
 		struct dvec3 point = { texel->pos_m[0], texel->pos_m[1], texel->pos_m[2] };
 		const struct scene_quad *quad = &city.quads[texel->object - 1];

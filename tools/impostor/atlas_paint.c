@@ -5,9 +5,10 @@
  */
 #include <string.h>
 
-#include "tools/impostor/atlas_layout.h"
+#include "tools/impostor/atlas_part.h"
 
-#define BORDER_PX 2     /* how far beyond its triangles a patch's pixels are looked for */
+#define BORDER_PX 2 /* how far beyond its triangles a patch's pixels are looked for */
+#define GLOSS_STEPS 16
 #define WEIGHT_MIN 0.05 /* of a texel: with less of it covered by own pixels it is filled */
 
 enum cover {
@@ -16,30 +17,8 @@ enum cover {
 	COVER_SOLID,
 };
 
-/* One capture while its clusters are painted. */
-struct canvas {
-	const struct atlas_layout *layout;
-	const struct impostor_mesh *mesh;
-	const struct capture_image *image;
-	struct dvec3 origin;
-	struct impostor *out;
-};
-
-/* The part of the capture under a cluster, and the cluster's texels. */
-struct part {
-	const struct atlas_cluster *cluster;
-	const struct pack_shape *shape;
-	int32_t left, top, width, height; /* px, inside the capture */
-	uint8_t *owned;                   /* a pixel: its colour is shown */
-	uint8_t *cover;                   /* a pixel: enum cover */
-	uint32_t columns, rows;           /* texels */
-	float (*colour)[5];               /* squares of sRGB, glass, how solid; the last is < 0 while it is not known */
-	uint8_t *filled;                  /* a texel: 0, or the turn in which it got its colour */
-	struct pkg_truth_texel *truth;    /* or NULL */
-};
-
 /* Index of a capture's pixel in the part, or SIZE_MAX. */
-static size_t place_in(const struct part *part, int32_t x, int32_t y)
+static size_t place_in(const struct atlas_part *part, int32_t x, int32_t y)
 {
 	x -= part->left;
 	y -= part->top;
@@ -47,7 +26,7 @@ static size_t place_in(const struct part *part, int32_t x, int32_t y)
 																   : (size_t)y * (size_t)part->width + (size_t)x;
 }
 
-static const struct capture_pixel *pixel_at(const struct canvas *canvas, int32_t x, int32_t y)
+static const struct capture_pixel *pixel_at(const struct atlas_canvas *canvas, int32_t x, int32_t y)
 {
 	return &canvas->image->pixels[(size_t)y * canvas->image->view.width + (size_t)x];
 }
@@ -60,8 +39,8 @@ static uint8_t mesh_texel(const struct impostor_mesh *mesh, const struct mesh_pa
 	return mesh->texels.items[patch->first_texel + (size_t)(y - patch->min_y) * width + (size_t)(x - patch->min_x)];
 }
 
-static void cover_triangle(
-	const struct canvas *canvas, struct part *part, const struct mesh_patch *patch, const struct mesh_vertex corners[3])
+static void cover_triangle(const struct atlas_canvas *canvas, struct atlas_part *part, const struct mesh_patch *patch,
+	const struct mesh_vertex corners[3])
 {
 	int32_t rows[2], columns[2];
 	atlas_rows(corners, rows);
@@ -77,8 +56,8 @@ static void cover_triangle(
 }
 
 /* Pixels that the piece's patch shows, a little beyond the piece's own. */
-static bool own_shown(
-	const struct canvas *canvas, struct part *part, const struct mesh_patch *patch, const struct atlas_piece *piece)
+static bool own_shown(const struct atlas_canvas *canvas, struct atlas_part *part, const struct mesh_patch *patch,
+	const struct atlas_piece *piece)
 {
 	int32_t low_x = (int32_t)floorf(piece->min_x) - BORDER_PX, high_x = (int32_t)ceilf(piece->max_x) + BORDER_PX;
 	int32_t low_y = (int32_t)floorf(piece->min_y) - BORDER_PX, high_y = (int32_t)ceilf(piece->max_y) + BORDER_PX;
@@ -96,7 +75,7 @@ static bool own_shown(
 }
 
 /* A sliver that shows no pixel takes the one nearest to its plane, around its middle. */
-static void own_something(const struct canvas *canvas, struct part *part)
+static void own_something(const struct atlas_canvas *canvas, struct atlas_part *part)
 {
 	const struct atlas_piece *piece = &canvas->layout->pieces.items[part->cluster->first_piece];
 	const struct mesh_vertex *c = &canvas->layout->corners.items[piece->first_corner];
@@ -117,7 +96,7 @@ static void own_something(const struct canvas *canvas, struct part *part)
 		part->owned[best] = 1;
 }
 
-static void find_owned(const struct canvas *canvas, struct part *part)
+static void find_owned(const struct atlas_canvas *canvas, struct atlas_part *part)
 {
 	bool any = false;
 	for (uint32_t p = 0; p < part->cluster->piece_count; p++) {
@@ -140,7 +119,7 @@ struct box {
 	int32_t first[2], last[2];
 };
 
-static struct box box_of(const struct part *part, uint32_t column, uint32_t row)
+static struct box box_of(const struct atlas_part *part, uint32_t column, uint32_t row)
 {
 	const struct atlas_cluster *cluster = part->cluster;
 	const int32_t start[2] = { cluster->left - part->left, cluster->top - part->top };
@@ -163,7 +142,8 @@ static double overlap(const struct box *box, int axis, int32_t at)
 
 /* The place at the mean position and disparity of those of the texel's pixels that show the same object as the largest
  * share of one pixel: on a plane that is exact. */
-static struct pkg_truth_texel find_truth(const struct canvas *canvas, const struct part *part, const struct box *box)
+static struct pkg_truth_texel find_truth(
+	const struct atlas_canvas *canvas, const struct atlas_part *part, const struct box *box)
 {
 	struct pkg_truth_texel truth = { 0 };
 	double most = 0, sum[3] = { 0 }, weights = 0;
@@ -187,14 +167,11 @@ static struct pkg_truth_texel find_truth(const struct canvas *canvas, const stru
 			}
 		}
 	}
-	struct dvec3 point = capture_point(&canvas->image->view, sum[0] / weights, sum[1] / weights, sum[2] / weights);
-	truth.pos_m[0] = (float)(point.x - canvas->origin.x);
-	truth.pos_m[1] = (float)(point.y - canvas->origin.y);
-	truth.pos_m[2] = (float)(point.z - canvas->origin.z);
+	atlas_place(canvas, sum[0] / weights, sum[1] / weights, sum[2] / weights, &truth);
 	return truth;
 }
 
-static void sample(const struct canvas *canvas, struct part *part, uint32_t column, uint32_t row)
+static void sample(const struct atlas_canvas *canvas, struct atlas_part *part, uint32_t column, uint32_t row)
 {
 	struct box box = box_of(part, column, row);
 	size_t texel = (size_t)row * part->columns + column;
@@ -226,7 +203,7 @@ static void sample(const struct canvas *canvas, struct part *part, uint32_t colu
 }
 
 /* The mean of the neighbours that were filled in earlier turns. */
-static bool fill_texel(struct part *part, uint32_t column, uint32_t row, uint8_t turn)
+static bool fill_texel(struct atlas_part *part, uint32_t column, uint32_t row, uint8_t turn)
 {
 	size_t texel = (size_t)row * part->columns + column;
 	float sum[5] = { 0 }, weights = 0;
@@ -239,8 +216,10 @@ static bool fill_texel(struct part *part, uint32_t column, uint32_t row, uint8_t
 		for (int k = 0; k < 5; k++)
 			sum[k] += weight * part->colour[i][k];
 		weights += weight;
-		if (part->truth)
-			part->truth[texel] = (struct pkg_truth_texel){ 0 };
+		if (part->truth) {
+			part->truth[texel] = part->truth[i];
+			part->truth[texel].object |= PKG_TRUTH_MADE_UP;
+		}
 	}
 	if (weights <= 0)
 		return false;
@@ -252,7 +231,7 @@ static bool fill_texel(struct part *part, uint32_t column, uint32_t row, uint8_t
 	return true;
 }
 
-static void fill_gaps(struct part *part)
+static void fill_gaps(struct atlas_part *part)
 {
 	bool any = true;
 	for (unsigned turn = 2; any; turn++) {
@@ -265,7 +244,7 @@ static void fill_gaps(struct part *part)
 }
 
 /* Does anything solid show in a block, or so near that a filter takes colours from it? */
-static bool is_visible(const struct part *part, uint32_t block_x, uint32_t block_y)
+static bool is_visible(const struct atlas_part *part, uint32_t block_x, uint32_t block_y)
 {
 	uint32_t first_x = block_x ? 4 * block_x - 1 : 0, first_y = block_y ? 4 * block_y - 1 : 0;
 	for (uint32_t y = first_y; y < 4 * block_y + 5 && y < part->rows; y++)
@@ -275,22 +254,40 @@ static bool is_visible(const struct part *part, uint32_t block_x, uint32_t block
 	return false;
 }
 
-static void write_texel(const float colour[5], uint8_t rgba[4])
+/* The share that mirrors, one for a block: as a pattern of its own it would take as many bytes as the colours, and what
+ * is far shows it as a tone at most. */
+static float gloss_of(const struct atlas_part *part, uint32_t block_x, uint32_t block_y)
+{
+	float sum = 0, solid = 0;
+	for (uint32_t row = 4 * block_y; row < 4 * block_y + 4; row++) {
+		for (uint32_t column = 4 * block_x; column < 4 * block_x + 4; column++) {
+			const float *colour = part->colour[(size_t)row * part->columns + column];
+			float weight = fmaxf(colour[4], 1e-3f);
+			sum += weight * colour[3] / 255;
+			solid += weight;
+		}
+	}
+	return roundf(sum / solid * GLOSS_STEPS) / GLOSS_STEPS;
+}
+
+static void write_texel(const float colour[5], float gloss, uint8_t rgba[4])
 {
 	for (int k = 0; k < 3; k++)
 		rgba[k] = (uint8_t)lroundf(sqrtf(colour[k]));
-	float solid = PKG_PAGE_SOLID + colour[3] * (255 - PKG_PAGE_SOLID) / 255;
+	float solid = PKG_PAGE_SOLID + gloss * (255 - PKG_PAGE_SOLID);
 	rgba[3] = (uint8_t)lroundf(solid * fmaxf(colour[4], 0));
 }
 
-static void write_block(const struct canvas *canvas, const struct part *part, uint32_t block_x, uint32_t block_y)
+static void write_block(
+	const struct atlas_canvas *canvas, const struct atlas_part *part, uint32_t block_x, uint32_t block_y)
 {
 	const struct pack_shape *shape = part->shape;
+	float gloss = gloss_of(part, block_x, block_y);
 	for (uint32_t row = 4 * block_y; row < 4 * block_y + 4; row++) {
 		for (uint32_t column = 4 * block_x; column < 4 * block_x + 4; column++) {
 			size_t from = (size_t)row * part->columns + column;
 			size_t to = ((size_t)shape->page * PKG_PAGE_PX + 4 * shape->y + row) * PKG_PAGE_PX + 4 * shape->x + column;
-			write_texel(part->colour[from], canvas->out->pages + 4 * to);
+			write_texel(part->colour[from], gloss, canvas->out->pages + 4 * to);
 			if (part->truth && part->colour[from][4] >= 0.5f)
 				canvas->out->truth[to] = part->truth[from];
 		}
@@ -298,7 +295,7 @@ static void write_block(const struct canvas *canvas, const struct part *part, ui
 }
 
 /* The part of the capture that the texels cover, and a border. */
-static void frame(const struct capture_view *view, struct part *part)
+static void frame(const struct capture_view *view, struct atlas_part *part)
 {
 	const struct atlas_cluster *cluster = part->cluster;
 	int32_t border = BORDER_PX + (int32_t)ceil(ATLAS_GUTTER / cluster->scale);
@@ -310,10 +307,10 @@ static void frame(const struct capture_view *view, struct part *part)
 	part->height = (bottom < (int32_t)view->height ? bottom : (int32_t)view->height) - part->top;
 }
 
-static void paint_cluster(const struct canvas *canvas, uint32_t index)
+static void paint_cluster(const struct atlas_canvas *canvas, uint32_t index)
 {
 	const struct pack_shape *shape = &canvas->layout->shapes.items[index];
-	struct part part = { .cluster = &canvas->layout->clusters.items[index],
+	struct atlas_part part = { .cluster = &canvas->layout->clusters.items[index],
 		.shape = shape,
 		.columns = 4 * shape->width,
 		.rows = 4 * shape->height };
@@ -332,6 +329,8 @@ static void paint_cluster(const struct canvas *canvas, uint32_t index)
 		for (uint32_t column = 0; column < part.columns; column++)
 			sample(canvas, &part, column, row);
 	fill_gaps(&part);
+	if (part.truth)
+		atlas_place_made_up(canvas, &part);
 	for (uint32_t y = 0; y < shape->height; y++)
 		for (uint32_t x = 0; x < shape->width; x++)
 			if ((shape->rows[y] >> x & 1) && is_visible(&part, x, y))
@@ -342,7 +341,7 @@ static void paint_cluster(const struct canvas *canvas, uint32_t index)
 void atlas_paint(const struct atlas_layout *layout, const struct impostor_mesh *mesh,
 	const struct impostor_capture *captures, struct impostor *out)
 {
-	struct canvas canvas = { .layout = layout,
+	struct atlas_canvas canvas = { .layout = layout,
 		.mesh = mesh,
 		.origin = { out->origin_mm[0] * 1e-3, out->origin_mm[1] * 1e-3, out->origin_mm[2] * 1e-3 },
 		.out = out };

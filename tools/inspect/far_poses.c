@@ -54,9 +54,10 @@ static void check_render(struct check *check, const struct pkg_cell *cell)
 		double px, texel_px;
 		if (!pixel->truth)
 			continue;
-		check->out->made_up += !pixel->truth->object;
+		bool made_up = !pixel->truth->object || pixel->truth->object & PKG_TRUTH_MADE_UP;
+		check->out->made_up += made_up;
 		struct dvec3 shown = { pixel->truth->pos_m[0], pixel->truth->pos_m[1], pixel->truth->pos_m[2] };
-		if (!pixel->truth->object || !apart(&check->raster, pixel->at, shown, &px) ||
+		if (made_up || !apart(&check->raster, pixel->at, shown, &px) ||
 			!apart(&check->raster, pixel->at, pixel->corner, &texel_px))
 			continue;
 		ARRAY_PUSH(&check->px, (float)px);
