@@ -128,7 +128,8 @@ press() {
 	open_pin "$1"
 	sleep 0.06
 }
-# turn right|left [DETENTS]: the rotary encoder, four edges a detent.
+# turn right|left [DETENTS]: the rotary encoder, four edges a detent. The simulated chip tells of edges at the guest's
+# ticks, 100 a second: closer ones would become one.
 turn() {
 	first=rotary-a second=rotary-b
 	[ "$1" = right ] || first=rotary-b second=rotary-a
@@ -136,12 +137,31 @@ turn() {
 	while [ "$count" -gt 0 ]; do
 		for edge in "close_pin $first" "close_pin $second" "open_pin $first" "open_pin $second"; do
 			$edge
-			sleep 0.004
+			sleep 0.025
 		done
 		count=$((count - 1))
 	done
 }
 
+# chip_unplug, chip_plug: the GPIO chip with all its lines. Made anew it may have another number, and its pins are closed
+# until they are opened here.
+chip_unplug() { echo 0 >/sys/kernel/config/gpio-sim/car/live; }
+chip_plug() {
+	echo 1 >/sys/kernel/config/gpio-sim/car/live
+	chip_find
+	for pin in "$PINS"/pin-*; do echo pull-up >"$pin"; done
+}
+# Where the chip's pins are now, after somebody took it away and brought it back.
+chip_find() {
+	chip_name=$(cat /sys/kernel/config/gpio-sim/car/pins/chip_name)
+	chip_folder=/sys/devices/platform/$(cat /sys/kernel/config/gpio-sim/car/dev_name)/$chip_name
+	for pin in "$PINS"/pin-*; do
+		line=$(readlink "$pin")
+		line=${line%/pull}
+		ln -sfn "$chip_folder/${line##*/}/pull" "$pin"
+	done
+	chgrp gpio "/dev/$chip_name" 2>/dev/null && chmod 660 "/dev/$chip_name"
+}
 camera_unplug() { echo vivid.0 >/sys/bus/platform/drivers/vivid/unbind; }
 camera_plug() { echo vivid.0 >/sys/bus/platform/drivers/vivid/bind; }
 can_delete() { ip link del "$1"; }

@@ -172,6 +172,21 @@ static void send_event(uint16_t type, uint16_t code, int32_t value)
 	assert_int_equal(write(made, events, sizeof(events)), sizeof(events));
 }
 
+/* Detents of what has come; checks the order of times. */
+static int take_detents(int64_t *last)
+{
+	int count = evdev_read(evdev, reports, 4096), turned = 0;
+	for (int i = 0; i < count; i++) {
+		assert_int_not_equal(reports[i].kind, EVDEV_RESET);
+		assert_true(reports[i].time_ns >= *last && reports[i].time_ns <= clock_now_ns());
+		*last = reports[i].time_ns;
+		turned += reports[i].kind == EVDEV_TURN ? reports[i].value : 0;
+	}
+	return turned;
+}
+
+/* At a thousand a second, but never more ahead of the thread than the kernel's queue of 64 events holds: a guest's one
+ * processor may have other things to do. */
 static void a_thousand_detents_a_second_arrive_with_the_kernels_time(void **state)
 {
 	(void)state;
@@ -180,22 +195,20 @@ static void a_thousand_detents_a_second_arrive_with_the_kernels_time(void **stat
 	make_knob();
 	open_devices("name:" KNOB);
 	assert_true(wait_for_state(EVDEV_GOOD) >= 0);
-	int64_t before = clock_now_ns();
+	int64_t began = clock_now_ns(), last = began - 1000; /* the kernel's stamps are of microseconds */
+	int turned = 0;
 	for (int i = 0; i < 500; i++) {
-		clock_sleep_until(before + i * NS_PER_MS);
+		clock_sleep_until(began + i * NS_PER_MS);
 		send_event(EV_REL, REL_DIAL, 1);
+		for (int ms = 0; ms < 1000 && (turned += take_detents(&last)) < i - 15; ms++)
+			clock_sleep_until(clock_now_ns() + NS_PER_MS);
 	}
+	double took_s = (double)(clock_now_ns() - began) * 1e-9;
 	send_event(EV_KEY, KEY_ENTER, 1);
 	clock_sleep_until(clock_now_ns() + 50 * NS_PER_MS);
-	int count = evdev_read(evdev, reports, 4096), turned = 0;
-	int64_t last = before;
-	for (int i = 0; i < count; i++) {
-		assert_true(reports[i].time_ns >= last - 1000 && reports[i].time_ns <= clock_now_ns());
-		last = reports[i].time_ns;
-		turned += reports[i].kind == EVDEV_TURN ? reports[i].value : 0;
-	}
+	turned += take_detents(&last);
+	print_message("%d detents, %.0f a second\n", turned, 500.0 / took_s);
 	assert_int_equal(turned, 500);
-	assert_int_equal(reports[count - 1].key, KEY_ENTER);
 }
 
 static void a_device_unplugged_is_told_and_comes_back(void **state)

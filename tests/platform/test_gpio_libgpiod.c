@@ -47,6 +47,15 @@ static void set_pin(int line, bool active)
 	globfree(&found);
 }
 
+static void open_all_pins(void)
+{
+	glob_t found;
+	assert_int_equal(glob("/sys/devices/platform/gpio-sim.*/gpiochip*/sim_gpio*/pull", 0, NULL, &found), 0);
+	for (size_t i = 0; i < found.gl_pathc; i++)
+		assert_true(write_word(found.gl_pathv[i], "pull-up"));
+	globfree(&found);
+}
+
 static bool no_pins(void)
 {
 	if (access(LIVE, W_OK) == 0)
@@ -93,6 +102,17 @@ static int wait_for_state(struct gpio *gpio, unsigned line, enum gpio_state stat
 	return -1;
 }
 
+/* Up to a second. */
+static int wait_for_events(struct gpio *gpio, int wanted)
+{
+	int count = 0;
+	for (int ms = 0; ms < 1000 && count < wanted; ms++) {
+		clock_sleep_until(clock_now_ns() + NS_PER_MS);
+		count += gpio_read(gpio, clock_now_ns(), events + count, 4096 - count);
+	}
+	return count;
+}
+
 static void a_chip_that_is_not_there_is_a_state(void **state)
 {
 	(void)state;
@@ -113,19 +133,14 @@ static void levels_are_there_at_once_and_edges_carry_the_kernels_time(void **sta
 	assert_int_equal(gpio_read(gpio, clock_now_ns(), events, 4096), 2 * LINES);
 	assert_true(gpio->lines[REVERSE].level && !gpio->lines[A].level);
 	for (int i = 0; i < 6; i++) {
+		if (i == 3) /* is off already */
+			continue;
 		int64_t before = clock_now_ns();
 		set_pin(i % LINES, i % LINES != REVERSE && i < LINES);
-		clock_sleep_until(before + 50 * NS_PER_MS);
-		int64_t after = clock_now_ns();
-		int count = gpio_read(gpio, after, events, 4096);
-		if (i == 3) { /* was off already */
-			assert_int_equal(count, 0);
-			continue;
-		}
-		assert_int_equal(count, 1);
+		assert_int_equal(wait_for_events(gpio, 1), 1);
 		assert_int_equal(events[0].kind, GPIO_EDGE);
 		assert_int_equal(events[0].line, i % LINES);
-		assert_true(events[0].time_ns >= before && events[0].time_ns <= before + 30 * NS_PER_MS);
+		assert_true(events[0].time_ns >= before && events[0].time_ns <= clock_now_ns());
 	}
 }
 
@@ -161,14 +176,10 @@ static void a_knob_is_counted(void **state)
 	quadrature_level(&knob, 0, false, 0);
 	quadrature_level(&knob, 1, false, 0);
 	for (int i = 0; i < 80; i++) {
-		int line = i % 2 ? B : A, count = 0;
+		int line = i % 2 ? B : A;
 		level[line] = !level[line];
 		set_pin(line, level[line]);
-		for (int wait = 0; wait < 200 && !count; wait++) {
-			clock_sleep_until(clock_now_ns() + 2 * NS_PER_MS);
-			count = gpio_read(gpio, clock_now_ns(), events, 4096);
-		}
-		assert_int_equal(count, 1);
+		assert_int_equal(wait_for_events(gpio, 1), 1);
 		assert_int_equal(events[0].kind, GPIO_EDGE);
 		detents += quadrature_edge(&knob, events[0].line == B, events[0].level, events[0].time_ns);
 	}
@@ -185,15 +196,18 @@ static void a_chip_that_goes_away_comes_back_with_its_levels(void **state)
 	assert_int_equal(gpio->lines[REVERSE].state, GPIO_GOOD);
 	assert_true(write_word(LIVE, "0"));
 	int gone_ms = wait_for_state(gpio, REVERSE, GPIO_GONE);
+	/* the chip gets its number again once nobody has a line of it */
+	assert_true(wait_for_state(gpio, A, GPIO_GONE) >= 0 && wait_for_state(gpio, B, GPIO_GONE) >= 0);
 	assert_true(write_word(LIVE, "1"));
+	open_all_pins(); /* made anew they are closed */
 	int back_ms = wait_for_state(gpio, REVERSE, GPIO_GOOD);
 	print_message("gone noticed after %d ms, back after %d ms\n", gone_ms, back_ms);
 	assert_true(gone_ms >= 0 && gone_ms < 1500 && back_ms >= 0 && back_ms < 1500);
 	assert_int_equal(gpio->stats.losses, LINES);
 	gpio_read(gpio, clock_now_ns(), events, 4096);
 	set_pin(REVERSE, true);
-	clock_sleep_until(clock_now_ns() + 50 * NS_PER_MS);
-	gpio_read(gpio, clock_now_ns(), events, 4096);
+	for (int i = 0; i < 10 && !gpio->lines[REVERSE].level; i++)
+		wait_for_events(gpio, 1);
 	assert_true(gpio->lines[REVERSE].level);
 	set_pin(REVERSE, false);
 }
