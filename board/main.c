@@ -437,7 +437,8 @@ static void set_brightness(struct machine *m, int64_t now_ns, bool dark)
 		.dark = dark,
 		.night = is_night(m) ? 1.0 : drawn.night,
 		.ambient = m->settings.light == LIGHT_AUTO ? m->inputs.state.ambient : -1.0 };
-	display_set_brightness(&m->display, panel_level(&m->pace, &scene));
+	m->menu.has_brightness = m->display.ops->set_brightness != NULL;
+	display_set_brightness(&m->display, panel_level(&m->pace, &scene) * (float)m->settings.brightness / 100.0f);
 }
 
 /* Nothing to see: the ignition is off. */
