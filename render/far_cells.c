@@ -23,6 +23,7 @@
 #define THROUGH_M 120.0 /* seen through faded buildings: half as much again costs a third of the frame */
 #define UPLOAD_BYTES (4 * PKG_PAGE_BYTES) /* a frame: copying a page costs a software GPU 0.7 ms */
 #define NEAR_SHARE 0.97                   /* of near_mm, where the impostor may begin */
+#define SPLIT_MIN_M 1.0 /* very wide pictures see the distance at their sides, little in front of the eye */
 #define WANTED_MAX (NAV_LIKELY_MAX + 1)
 
 static uint32_t slots_that_fit(const struct far_cells *cells)
@@ -156,7 +157,7 @@ static double choose_split(const struct far_cells *cells, const struct view *vie
 	double split_m = nearest_depth_m(&stretches[cells->here], view);
 	if (cells->before != PKG_NONE)
 		split_m = fmin(split_m, nearest_depth_m(&stretches[cells->before], view));
-	return fmax(split_m * 0.97, 40.0);
+	return fmax(split_m * 0.97, SPLIT_MIN_M);
 }
 
 void far_cells_select(struct far_cells *cells, const struct repr_place *place)

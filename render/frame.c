@@ -88,6 +88,7 @@ static int make_objects(struct renderer *renderer, struct arena *arena)
 		struct screen_config own = { .width = config->width,
 			.height = config->height,
 			.samples = config->samples,
+			.depth_16 = config->depth_16,
 			.gfx = config->gfx,
 			.get_proc = config->get_proc };
 		err = screen_init(&renderer->own_screen, arena, &own);

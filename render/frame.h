@@ -24,6 +24,7 @@ struct renderer;
 struct renderer_config {
 	uint32_t width, height;      /* of the picture; required */
 	uint32_t samples;            /* per pixel; default 4, 1 is none */
+	bool depth_16;               /* a depth buffer of 16 bits instead of 24 */
 	uint64_t gpu_budget_bytes;   /* for everything on the GPU; default 512 MiB */
 	uint64_t upload_slice_bytes; /* per frame, once drawing; default 4 MiB */
 	const char *far_name;        /* of a representation (repr.h), or "auto"; default "full" */

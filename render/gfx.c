@@ -40,7 +40,8 @@ uint64_t gfx_target_bytes(const struct gfx_target_desc *desc)
 {
 	uint64_t px = (uint64_t)desc->width * desc->height;
 	uint64_t samples = desc->samples > 1 ? desc->samples : 1;
-	uint64_t resolved = px * 4, color = desc->samples > 1 ? px * 4 * samples : 0, depth = px * 4 * samples;
+	uint64_t resolved = px * 4, color = desc->samples > 1 ? px * 4 * samples : 0,
+			 depth = px * (desc->depth_16 ? 2 : 4) * samples;
 	return resolved + color + depth + px * gfx_ids_words(desc->ids) * 4;
 }
 

@@ -93,11 +93,12 @@ enum gfx_ids {
 	GFX_IDS_RGBA32UI, /* highp uvec4 */
 };
 
-/* Something to draw into: RGBA8 colour and 24-bit depth. The resolved colour can be read back and sampled. */
+/* Something to draw into: RGBA8 colour and depth of 24 bits. The resolved colour can be read back and sampled. */
 struct gfx_target_desc {
 	uint32_t width, height;
 	uint32_t samples; /* 0 or 1: none; more is clamped to what the GPU has, see gfx_target_samples() */
 	enum gfx_ids ids; /* can be read back; there are no samples then */
+	bool depth_16;    /* depth of 16 bits: half of its bytes and of their traffic */
 };
 
 /* How shaders are named and bound. Files are those of assets/shaders, without path. Every program may declare

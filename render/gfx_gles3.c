@@ -319,7 +319,7 @@ static void attach(struct gfx_target_slot *slot, GLuint texture)
 	glBindFramebuffer(GL_FRAMEBUFFER, slot->resolve_framebuffer);
 	glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
 	slot->framebuffer = slot->resolve_framebuffer;
-	slot->depth = make_renderbuffer(GL_DEPTH_COMPONENT24, &slot->desc);
+	slot->depth = make_renderbuffer(slot->desc.depth_16 ? GL_DEPTH_COMPONENT16 : GL_DEPTH_COMPONENT24, &slot->desc);
 	if (slot->desc.samples > 1) {
 		GLint granted = 0;
 		glGetRenderbufferParameteriv(GL_RENDERBUFFER, GL_RENDERBUFFER_SAMPLES, &granted);

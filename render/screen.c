@@ -1,8 +1,10 @@
 #include "render/screen.h"
 
+#include <errno.h>
 #include <math.h>
 
 #include "platform/base/geo.h"
+#include "platform/base/log.h"
 
 static int make_turn(struct screen *screen)
 {
@@ -26,7 +28,16 @@ int screen_init(struct screen *screen, struct arena *arena, const struct screen_
 	int status = gfx_init(&screen->gfx, arena, config->gfx ? config->gfx : &gfx_gles3, &gfx_config);
 	if (status < 0)
 		return status;
-	struct gfx_target_desc target = { .width = config->width, .height = config->height, .samples = config->samples };
+	uint32_t most_px = gfx_caps(screen->gfx)->max_texture_px;
+	if (config->width > most_px || config->height > most_px) {
+		log_error(
+			"a picture of %u x %u: this GPU draws %u pixels a side at most", config->width, config->height, most_px);
+		screen_finish(screen);
+		return -ENOTSUP;
+	}
+	struct gfx_target_desc target = {
+		.width = config->width, .height = config->height, .samples = config->samples, .depth_16 = config->depth_16
+	};
 	status = gfx_target_create(screen->gfx, &target, &screen->target);
 	if (status == 0 && config->turns)
 		status = make_turn(screen);

@@ -10,6 +10,7 @@
 struct screen_config {
 	uint32_t width, height;
 	uint32_t samples;                            /* per pixel; 0 or 1 is none */
+	bool depth_16;                               /* see struct gfx_target_desc */
 	const struct gfx_ops *gfx;                   /* NULL: gfx_gles3 */
 	void (*(*get_proc)(const char *name))(void); /* display_get_proc, or NULL */
 	bool turns;                                  /* screen_present() may have to turn or to dim */
@@ -23,8 +24,8 @@ struct screen {
 	gfx_pipeline turn_pipeline;
 };
 
-/* Needs a current GL context (or the dummy back end). Returns 0, -ENOMEM, -ENOTSUP; a screen that failed is finished.
- */
+/* Needs a current GL context (or the dummy back end). Returns 0, -ENOMEM, or -ENOTSUP when the
+ * context is too old or the picture larger than the GPU can draw; a screen that failed is finished. */
 int screen_init(struct screen *screen, struct arena *arena, const struct screen_config *config);
 /* Ends the GPU's objects of everybody who drew here. Accepts a zeroed screen. */
 void screen_finish(struct screen *screen);

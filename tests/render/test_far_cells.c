@@ -271,6 +271,38 @@ static void a_stretch_is_kept_while_its_view_cell_holds_the_eye(void **state)
 	free(f.memory);
 }
 
+/* No time between frames, ten seconds, the clock put back, standing for an hour: the distance is there in every frame,
+ * and nothing dissolves for ever. */
+static void strange_times_keep_the_distance(void **state)
+{
+	(void)state;
+	static const int64_t steps_ns[] = { 0, 0, 10 * NS_PER_S, -5 * NS_PER_S, 0, -3600 * NS_PER_S, FRAME_NS,
+		3600 * NS_PER_S };
+	struct fixture f;
+	start(&f, &street, &(struct renderer_config){ .far_name = "impostor" });
+	for (double x = 10.0; x < 120.0; x += 0.3)
+		frame(&f, x, 0.0, EAST);
+	for (size_t i = 0; i < sizeof(steps_ns) / sizeof(steps_ns[0]); i++) {
+		/* into the next stretch, so that something dissolves when the time is strange */
+		double x = 120.0 + 50.0 * (double)i;
+		for (int k = 0; k < 60; k++)
+			frame(&f, x + k * 0.5, 0.0, EAST);
+		f.time_ns += steps_ns[i] - FRAME_NS;
+		frame(&f, x + 30.0, 0.0, EAST);
+		assert_true(f.stats.far_triangles >= IMPOSTOR_TRIANGLES && !f.stats.far_fallback);
+		for (int k = 0; k < 20; k++)
+			frame(&f, x + 30.0, 0.0, EAST);
+		assert_int_equal(f.stats.far_triangles, IMPOSTOR_TRIANGLES);
+	}
+	for (int i = 0; i < 3600; i++) { /* an hour at a frame a second */
+		f.time_ns += NS_PER_S;
+		frame(&f, 500.0, 0.0, EAST);
+		assert_false(f.stats.far_fallback);
+	}
+	assert_int_equal(f.stats.far_triangles, IMPOSTOR_TRIANGLES);
+	stop(&f);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -282,6 +314,7 @@ int main(void)
 		cmocka_unit_test(geometry_cells_and_coarse_cells_show_their_visible_set),
 		cmocka_unit_test(a_package_without_a_far_field_has_no_impostors),
 		cmocka_unit_test(a_stretch_is_kept_while_its_view_cell_holds_the_eye),
+		cmocka_unit_test(strange_times_keep_the_distance),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

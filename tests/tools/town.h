@@ -42,11 +42,13 @@ static inline void town_close(struct town *town)
 		abort();
 }
 
+/* Places are whole steps of 1e-7 degrees from the origin, as OpenStreetMap has them: elsewhere they are the same steps.
+ */
 static inline long long town_node(struct town *town, double x, double y)
 {
-	double lon = remainder(town->origin.lon_deg + x / town->lon_m, 360.0);
-	fprintf(town->file, "<node id=\"%lld\" lat=\"%.9f\" lon=\"%.9f\"/>\n", ++town->nodes,
-		town->origin.lat_deg + y / town->lat_m, lon);
+	double lon = remainder(town->origin.lon_deg + round(x / town->lon_m * 1e7) * 1e-7, 360.0);
+	double lat = town->origin.lat_deg + round(y / town->lat_m * 1e7) * 1e-7;
+	fprintf(town->file, "<node id=\"%lld\" lat=\"%.7f\" lon=\"%.7f\"/>\n", ++town->nodes, lat, lon);
 	return town->nodes;
 }
 

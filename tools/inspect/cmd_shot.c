@@ -34,6 +34,7 @@ enum {
 	OPT_TIME,
 	OPT_DATE,
 	OPT_SAMPLES,
+	OPT_DEPTH,
 	OPT_CAMERA,
 	OPT_FAR,
 	OPT_TAU,
@@ -53,6 +54,7 @@ static const struct argp_option options[] = {
 	{ "time", OPT_TIME, "HH:MM", 0, "Time of day, local mean time (10:00)", 0 },
 	{ "date", OPT_DATE, "YYYY-MM-DD", 0, "Day (2024-06-21)", 0 },
 	{ "samples", OPT_SAMPLES, "N", 0, "Samples a pixel: 1, 2, 4, 8 (4)", 0 },
+	{ "depth", OPT_DEPTH, "BITS", 0, "Of the depth buffer: 16 or 24 (24)", 0 },
 	{ "camera", OPT_CAMERA, "KIND", 0, "The pose is a car's; look by driver, chase, heading-up or north-up", 0 },
 	{ "far", OPT_FAR, "NAME", 0, "Representation of the distance: auto, full, none, pvs, impostor (full)", 0 },
 	{ "tau", OPT_TAU, "PX", 0, "Draw as geometry what is stored with a larger error (none)", 0 },
@@ -103,6 +105,10 @@ static error_t parse(int key, char *arg, struct argp_state *state)
 		return 0;
 	case OPT_SAMPLES:
 		parse_or_die(sscanf(arg, "%u%c", &shot->config.samples, &end) == 1, state, "--samples", arg);
+		return 0;
+	case OPT_DEPTH:
+		shot->config.depth_16 = !strcmp(arg, "16");
+		parse_or_die(!strcmp(arg, "16") || !strcmp(arg, "24"), state, "--depth", arg);
 		return 0;
 	case OPT_CAMERA:
 		shot->camera = camera_from_name(arg);
