@@ -338,7 +338,7 @@ static void near_the_pole_a_city_is_a_city(void **state)
 	/* the sun stands lower and colours houses by chance of their ids: what is sky and what is not is the same */
 	size_t pixels = (size_t)WIDTH * HEIGHT, unlike = 0;
 	for (size_t i = 0; i < pixels; i++) {
-		const uint8_t *p = &pole.px[4 * i], *e = &equator.px[4 * i];
+		const uint8_t *p = pole.px + 4 * i, *e = equator.px + 4 * i;
 		unlike += (p[2] > p[0] + 15) != (e[2] > e[0] + 15);
 	}
 	assert_true(unlike < pixels / 10);
