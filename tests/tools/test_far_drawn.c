@@ -31,9 +31,8 @@ const char *__asan_default_options(void)  /* NOLINT */
 
 #define NEAR_M 120.0
 #define UNCOVERED_SHARE 0.0005 /* of a picture's pixels, where they are as small as those of the screen baked for */
-#define CRACKS                                                                                                         \
-	10 /* in a frame: slivers below a pixel, and where houses of unlike heights touch; full has those too              \
-		*/
+/* In a frame: slivers below a pixel, and where houses of unlike heights touch; full has those too. */
+#define CRACKS 10
 #define DISPLACED_SHARE 0.005
 /* A quarter of the screen that the bake is for, with pixels of the same angle. */
 #define SCREEN_PIXELS (1280.0 * 720.0) /* uncovered pixels are a share of these: the distance is in the middle */
