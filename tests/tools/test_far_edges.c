@@ -285,6 +285,8 @@ static void assert_complete(
 	struct holes holes;
 	size_t pixels = (size_t)full->width * full->height;
 	uint8_t *map = malloc(pixels);
+	if (!map)
+		abort();
 	holes_find(&reference, &image, &holes, map);
 	for (size_t i = 0; i < pixels; i++)
 		holes.uncovered -= map[i] && is_land(city, reference.pixels[i].object);
