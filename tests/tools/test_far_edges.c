@@ -285,7 +285,7 @@ static void assert_complete(
 	struct holes holes;
 	size_t pixels = (size_t)full->width * full->height;
 	uint8_t *map = malloc(pixels);
-	if (!map)
+	if (!map || !full->truth || !shown->truth)
 		abort();
 	holes_find(&reference, &image, &holes, map);
 	for (size_t i = 0; i < pixels; i++)
