@@ -180,7 +180,7 @@ static void the_next_run_goes_on_where_the_last_one_was(void **state)
 	assert_true(abs(bam_diff(now.heading_bam, was.heading_bam)) < 1000);
 	assert_near(now.doubt.major_m, was.doubt.major_m, 0.5);
 	assert_true(next.nav.reckon.bias_var < 0.01 * 0.01); /* what standing taught */
-	ride_free(&next, 30.0, 10.0, 0.0); /* and a street that fits confirms it */
+	ride_free(&next, 30.0, 10.0, 0.0);                   /* and a street that fits confirms it */
 	assert_int_equal(view_of(&next).doubt.place, NAV_PLACE_SURE);
 	ride_end(&next);
 
@@ -261,8 +261,13 @@ static void a_fix_elsewhere_refutes_a_remembered_place_even_standing(void **stat
 	struct ride ride;
 	ride_start(&ride, streets_grid(4, 400), true);
 	struct geo_point geo = geo_from_plane(&ride.nav.pkg->frame, (struct dvec2){ 100.0, 0.0 });
-	struct nav_memory memory = { .lat_deg = geo.lat_deg, .lon_deg = geo.lon_deg, .heading_rad = 0.5 * BLVD_PI,
-		.on_street = true, .half = PKG_NONE, .speed_scale = 1.0, .position_var = { 9.0, 9.0, 0.0 } };
+	struct nav_memory memory = { .lat_deg = geo.lat_deg,
+		.lon_deg = geo.lon_deg,
+		.heading_rad = 0.5 * BLVD_PI,
+		.on_street = true,
+		.half = PKG_NONE,
+		.speed_scale = 1.0,
+		.position_var = { 9.0, 9.0, 0.0 } };
 	assert_true(nav_restore(&ride.nav, &memory, false));
 	ride_stand(&ride, 1.0);
 	assert_near((double)view_of(&ride).pos_mm[0] * 1e-3, 100.0, 0.1);
