@@ -137,9 +137,9 @@ static void drop(struct run *run)
 	ride_end(&run->ride);
 }
 
-static void make_folder(char *folder)
+static void make_folder(char folder[64])
 {
-	strcpy(folder, "/tmp/blvd_position_XXXXXX");
+	snprintf(folder, 64, "/tmp/blvd_position_XXXXXX");
 	assert_non_null(mkdtemp(folder));
 }
 

@@ -76,7 +76,8 @@ static void start(struct fixture *f, const char *camera)
 static void stop(struct fixture *f)
 {
 	reverse_close(&f->reverse);
-	assert_true(gfx_stats(f->screen.gfx)->bytes == gfx_target_bytes(&(struct gfx_target_desc){ 640, 360, 1, 0 }));
+	assert_true(gfx_stats(f->screen.gfx)->bytes ==
+				gfx_target_bytes(&(struct gfx_target_desc){ .width = 640, .height = 360, .samples = 1 }));
 	screen_finish(&f->screen);
 	free(f->memory);
 }

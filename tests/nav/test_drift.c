@@ -73,9 +73,8 @@ static void standing_still_drifts_nowhere(void **state)
 	struct car car;
 	start(&car, 0.02, 0.02, 0.05);
 	go(&car, 5.0, driving(10.0, 0.0));
-	struct drift before = car.drift;
 	go(&car, 0.1, driving(0.0, 0.0));
-	before = car.drift;
+	struct drift before = car.drift;
 	go(&car, 3600.0, driving(0.0, 0.0));
 	assert_memory_equal(before.cov, car.drift.cov, sizeof(before.cov));
 }

@@ -405,14 +405,15 @@ static void the_ignition_is_said_and_then_the_bus_sleeps(void **state)
 static void wrong_commands_are_told_and_change_nothing(void **state)
 {
 	(void)state;
+	static const char endless[] =
+		"a line that is longer than any command has ever been or will ever be, and that goes on and on and on, as if "
+		"somebody had leant on the keyboard for a while, and then some more";
 	static const char *const wrong[] = { "fly", "gear", "gear X", "gear PD", "speed", "speed fast", "speed -3",
 		"speed 1e9", "steer nan", "lamp up", "lamp", "ignition maybe", "light 101", "light", "factor 9", "line",
 		"line push", "line push 2", "lost", "lost:nothing", "lost:MOTION.Nothing", "lost:speed/0", "lost:speed/-1",
 		"lost:speed/x", "stuck:wheels", "stuck:MOTION", "noisy:gnss", "range:all", "counter:wheels", "checksum:body",
 		"clock", "clock:soon", "camera", "chatter", "busoff/x",
-		"lost:a_name_that_is_longer_than_any_name_of_a_target_can_be_in_any_file",
-		"a line that is longer than any command has ever been or will ever be, and that goes on and on and on, as if "
-		"somebody had leant on the keyboard for a while, and then some more" };
+		"lost:a_name_that_is_longer_than_any_name_of_a_target_can_be_in_any_file", endless };
 	struct road road;
 	begin(&road, true);
 	go(&road, 0.1);
