@@ -35,7 +35,7 @@ for file in full-0000 full-0001 full-0002 none-0000 none-0001 none-0002; do
 	cmp "whole-$file" "parts-$file" || { diff "whole-$file" "parts-$file"; exit 1; }
 done
 diff -r whole/tau-1/pictures parts/tau-1/pictures
-[ "$(ls whole/tau-1/pictures | wc -l)" = 3 ]
+[ "$(ls whole/tau-1/pictures | wc -l)" = 4 ] # full; none, its difference, its displacement
 [ "$(cat whole/tau-1/none-*.csv | grep -vc frame)" = 120 ]
 ls whole/tau-1 | grep -q part && { echo 'a part of a file was left'; exit 1; }
 
