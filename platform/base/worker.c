@@ -1,8 +1,6 @@
 #include "platform/base/worker.h"
 
-#include <errno.h>
-#include <signal.h>
-#include <string.h>
+#include "platform/base/thread.h"
 
 #define STACK_BYTES (256u << 10)
 
@@ -26,32 +24,13 @@ static void *run(void *argument)
 	return NULL;
 }
 
-/* The thread inherits the mask: no signal is delivered to it. */
-static int start_thread(struct worker *worker, const char *name)
-{
-	pthread_attr_t attributes;
-	sigset_t all, before;
-	sigfillset(&all);
-	int err = pthread_attr_init(&attributes);
-	if (err)
-		return -err;
-	pthread_attr_setstacksize(&attributes, STACK_BYTES);
-	pthread_sigmask(SIG_SETMASK, &all, &before);
-	err = pthread_create(&worker->thread, &attributes, run, worker);
-	pthread_sigmask(SIG_SETMASK, &before, NULL);
-	pthread_attr_destroy(&attributes);
-	if (!err)
-		pthread_setname_np(worker->thread, name);
-	return -err;
-}
-
 int worker_init(struct worker *worker, const char *name, void (*work)(void *context, uint32_t job), void *context)
 {
 	*worker = (struct worker){ .work = work, .context = context };
 	pthread_mutex_init(&worker->mutex, NULL);
 	pthread_cond_init(&worker->given_more, NULL);
 	pthread_cond_init(&worker->done_more, NULL);
-	int status = start_thread(worker, name);
+	int status = thread_start(&worker->thread, name, STACK_BYTES, run, worker);
 	worker->started = status == 0;
 	return status;
 }

@@ -9,7 +9,6 @@
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/eventfd.h>
@@ -17,6 +16,7 @@
 
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
+#include "platform/base/thread.h"
 #include "platform/camera/camera.h"
 #include "platform/camera/jpeg_planes.h"
 #include "platform/camera/v4l2_device.h"
@@ -240,25 +240,6 @@ static void *run(void *argument)
 	return NULL;
 }
 
-/* The thread inherits the mask: no signal is delivered to it. */
-static int start_thread(struct v4l2 *v4l2)
-{
-	pthread_attr_t attributes;
-	sigset_t all, before;
-	sigfillset(&all);
-	int err = pthread_attr_init(&attributes);
-	if (err)
-		return -err;
-	pthread_attr_setstacksize(&attributes, STACK_BYTES);
-	pthread_sigmask(SIG_SETMASK, &all, &before);
-	err = pthread_create(&v4l2->thread, &attributes, run, v4l2);
-	pthread_sigmask(SIG_SETMASK, &before, NULL);
-	pthread_attr_destroy(&attributes);
-	if (!err)
-		pthread_setname_np(v4l2->thread, "camera");
-	return -err;
-}
-
 /* Decoding needs memory, which is taken only where a JPEG may come. */
 static int make_decoder(struct v4l2 *v4l2, struct arena *arena)
 {
@@ -295,7 +276,7 @@ static int v4l2_open(struct camera_device *camera, const struct camera_config *c
 	}
 	pthread_mutex_init(&v4l2->mutex, NULL);
 	pthread_cond_init(&v4l2->released, NULL);
-	status = start_thread(v4l2);
+	status = thread_start(&v4l2->thread, "camera", STACK_BYTES, run, v4l2);
 	if (status == 0) {
 		camera->impl = v4l2;
 		return 0;

@@ -13,7 +13,6 @@
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/eventfd.h>
@@ -22,6 +21,7 @@
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
 #include "platform/base/ring.h"
+#include "platform/base/thread.h"
 #include "platform/gpio/gpiod_shim.h"
 
 #define RING_SIZE 4096
@@ -294,25 +294,6 @@ static void *run(void *context)
 	}
 }
 
-static int start_thread(struct gpio_kernel *kernel)
-{
-	pthread_attr_t attributes;
-	sigset_t all, before;
-	int status = pthread_attr_init(&attributes);
-	if (status)
-		return -status;
-	sigfillset(&all);
-	pthread_attr_setstacksize(&attributes, STACK_BYTES);
-	pthread_sigmask(SIG_SETMASK, &all, &before);
-	status = pthread_create(&kernel->thread, &attributes, run, kernel);
-	pthread_sigmask(SIG_SETMASK, &before, NULL);
-	pthread_attr_destroy(&attributes);
-	kernel->started = status == 0;
-	if (kernel->started)
-		pthread_setname_np(kernel->thread, "gpio");
-	return -status;
-}
-
 static void kernel_close(struct gpio *gpio)
 {
 	struct gpio_kernel *kernel = (struct gpio_kernel *)gpio;
@@ -349,7 +330,9 @@ static int set_up(struct gpio_kernel *kernel, const struct gpio_config *config, 
 	look_round(kernel, now_ns);
 	release_until(kernel, INT64_MAX);
 	log_debug("gpio by %s", gpiod_shim_name());
-	return start_thread(kernel);
+	status = thread_start(&kernel->thread, "gpio", STACK_BYTES, run, kernel);
+	kernel->started = status == 0;
+	return status;
 }
 
 static int kernel_open(const struct gpio_config *config, struct arena *arena, struct gpio **out)

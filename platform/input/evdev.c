@@ -6,7 +6,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/eventfd.h>
@@ -17,6 +16,7 @@
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
 #include "platform/base/ring.h"
+#include "platform/base/thread.h"
 
 #define RING_SIZE 1024
 #define BATCH 64
@@ -227,25 +227,6 @@ static void *run(void *context)
 	}
 }
 
-static int start_thread(struct evdev *evdev)
-{
-	pthread_attr_t attributes;
-	sigset_t all, before;
-	int status = pthread_attr_init(&attributes);
-	if (status)
-		return -status;
-	sigfillset(&all);
-	pthread_attr_setstacksize(&attributes, STACK_BYTES);
-	pthread_sigmask(SIG_SETMASK, &all, &before);
-	status = pthread_create(&evdev->thread, &attributes, run, evdev);
-	pthread_sigmask(SIG_SETMASK, &before, NULL);
-	pthread_attr_destroy(&attributes);
-	evdev->started = status == 0;
-	if (evdev->started)
-		pthread_setname_np(evdev->thread, "input");
-	return -status;
-}
-
 static int set_up(struct evdev *evdev, const char *const *names, unsigned count, struct arena *arena)
 {
 	evdev->stop_fd = -1;
@@ -260,7 +241,9 @@ static int set_up(struct evdev *evdev, const char *const *names, unsigned count,
 	if (evdev->stop_fd < 0)
 		return -errno;
 	look_round(evdev, clock_now_ns());
-	return start_thread(evdev);
+	int status = thread_start(&evdev->thread, "input", STACK_BYTES, run, evdev);
+	evdev->started = status == 0;
+	return status;
 }
 
 int evdev_open(struct evdev **out, const char *const *names, unsigned count, struct arena *arena)

@@ -10,6 +10,7 @@
 #include "platform/base/log.h"
 #include "tools/commands.h"
 #include "tools/drive/drive.h"
+#include "tools/drive/drive_arguments.h"
 
 #define NS_PER_MINUTE INT64_C(60000000000)
 
@@ -48,25 +49,6 @@ static const struct argp_option option_list[] = {
 	{ 0 },
 };
 
-static struct geo_point parse_place(const char *text, struct argp_state *state)
-{
-	struct geo_point out;
-	int used = 0;
-	if (sscanf(text, "%lf,%lf%n", &out.lat_deg, &out.lon_deg, &used) != 2 || text[used] ||
-		!(fabs(out.lat_deg) <= 90.0) || !(fabs(out.lon_deg) <= 360.0))
-		argp_error(state, "'%s' is no LAT,LON in degrees", text);
-	return out;
-}
-
-static double parse_number(const char *text, double low, double high, struct argp_state *state)
-{
-	char *end;
-	double value = strtod(text, &end);
-	if (end == text || *end || !(value >= low && value <= high))
-		argp_error(state, "'%s' is no number from %g to %g", text, low, high);
-	return value;
-}
-
 static void parse_date(const char *text, struct arguments *out, struct argp_state *state)
 {
 	int used = 0;
@@ -94,22 +76,17 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
 	case KEY_VIA:
 		if (drive->via_count == DESTINATION_STOPS_MAX)
 			argp_error(state, "at most %d times --via", DESTINATION_STOPS_MAX);
-		drive->via[drive->via_count++] = parse_place(arg, state);
+		drive->via[drive->via_count++] = argument_place(arg, state);
 		break;
 	case KEY_START:
-		drive->start = parse_place(arg, state);
+		drive->start = argument_place(arg, state);
 		drive->has_start = true;
 		break;
-	case KEY_SEED: {
-		char *end;
-		errno = 0;
-		drive->seed = strtoull(arg, &end, 0);
-		if (end == arg || *end || errno || *arg == '-')
-			argp_error(state, "'%s' is no seed", arg);
+	case KEY_SEED:
+		drive->seed = argument_seed(arg, state);
 		break;
-	}
 	case KEY_MINUTES:
-		drive->minutes = parse_number(arg, 0.2, 600.0, state);
+		drive->minutes = argument_number(arg, 0.2, 600.0, state);
 		break;
 	case KEY_GNSS:
 		drive->gnss = true;
@@ -124,10 +101,10 @@ static error_t parse_option(int key, char *arg, struct argp_state *state)
 		parse_time(arg, arguments, state);
 		break;
 	case KEY_SPEED_ERROR:
-		drive->speed_error = parse_number(arg, -20.0, 20.0, state) * 0.01;
+		drive->speed_error = argument_number(arg, -20.0, 20.0, state) * 0.01;
 		break;
 	case KEY_YAW_BIAS:
-		drive->yaw_bias_rps = parse_number(arg, -5.0, 5.0, state) * (BLVD_PI / 180.0);
+		drive->yaw_bias_rps = argument_number(arg, -5.0, 5.0, state) * (BLVD_PI / 180.0);
 		break;
 	case ARGP_KEY_ARG:
 		if (arguments->package)

@@ -14,6 +14,7 @@
 #include "platform/base/log.h"
 #include "platform/can/can_bus.h"
 #include "tools/commands.h"
+#include "tools/drive/drive_arguments.h"
 #include "tools/sim/child.h"
 #include "tools/sim/devices.h"
 #include "tools/sim/keys.h"
@@ -78,35 +79,6 @@ static const struct argp_option option_list[] = {
 
 /* --- arguments --- */
 
-static struct geo_point parse_place(const char *text, struct argp_state *state)
-{
-	struct geo_point out;
-	int used = 0;
-	if (sscanf(text, "%lf,%lf%n", &out.lat_deg, &out.lon_deg, &used) != 2 || text[used] ||
-		!(fabs(out.lat_deg) <= 90.0) || !(fabs(out.lon_deg) <= 360.0))
-		argp_error(state, "'%s' is no LAT,LON in degrees", text);
-	return out;
-}
-
-static double parse_number(const char *text, double low, double high, struct argp_state *state)
-{
-	char *end;
-	double value = strtod(text, &end);
-	if (end == text || *end || !(value >= low && value <= high))
-		argp_error(state, "'%s' is no number from %g to %g", text, low, high);
-	return value;
-}
-
-static uint64_t parse_seed(const char *text, struct argp_state *state)
-{
-	char *end;
-	errno = 0;
-	unsigned long long seed = strtoull(text, &end, 0);
-	if (end == text || *end || errno || *text == '-')
-		argp_error(state, "'%s' is no seed", text);
-	return seed;
-}
-
 static error_t parse_route(int key, char *arg, struct arguments *out, struct argp_state *state)
 {
 	struct drive_options *drive = &out->sim.drive;
@@ -114,24 +86,24 @@ static error_t parse_route(int key, char *arg, struct arguments *out, struct arg
 	case KEY_VIA:
 		if (drive->via_count == DESTINATION_STOPS_MAX)
 			argp_error(state, "at most %d times --via", DESTINATION_STOPS_MAX);
-		drive->via[drive->via_count++] = parse_place(arg, state);
+		drive->via[drive->via_count++] = argument_place(arg, state);
 		return 0;
 	case KEY_START:
-		drive->start = parse_place(arg, state);
+		drive->start = argument_place(arg, state);
 		drive->has_start = true;
 		return 0;
 	case KEY_SEED:
-		drive->seed = parse_seed(arg, state);
+		drive->seed = argument_seed(arg, state);
 		out->seeded = true;
 		return 0;
 	case KEY_MINUTES:
-		drive->minutes = parse_number(arg, 0.05, 600.0, state);
+		drive->minutes = argument_number(arg, 0.05, 600.0, state);
 		return 0;
 	case KEY_SPEED:
-		out->sim.factor = parse_number(arg, 0.1, 3.0, state);
+		out->sim.factor = argument_number(arg, 0.1, 3.0, state);
 		return 0;
 	case KEY_WAIT:
-		out->sim.wait_s = parse_number(arg, 0.0, 3600.0, state);
+		out->sim.wait_s = argument_number(arg, 0.0, 3600.0, state);
 		return 0;
 	case KEY_NO_GNSS:
 		drive->gnss = false;
