@@ -263,6 +263,12 @@ static int bind_scale(
 	return 0;
 }
 
+static int64_t bind_spacing(const struct vehicle_binding *binding)
+{
+	static const int64_t usual_ms = 20;
+	return NS_PER_MS * (binding->signal->message->cycle_ms ? binding->signal->message->cycle_ms : usual_ms);
+}
+
 static int64_t bind_timeout(const struct vehicle_binding *binding, int input, const struct profile_signal *from)
 {
 	int64_t cycles = 5 * NS_PER_MS * binding->signal->message->cycle_ms;
@@ -327,6 +333,7 @@ static int bind_signal(struct car *car, int input, const struct profile *profile
 	if (!binding->signal)
 		return fault(profile, from, "no signal '%.60s%s%.60s' in the signal definitions",
 			from->message ? from->message : "", from->message ? "." : "", from->name);
+	binding->spacing_ns = bind_spacing(binding);
 	binding->timeout_ns = bind_timeout(binding, input, from);
 	binding->frozen_ns = (int64_t)(from->frozen_s * 1e9);
 	int status = bind_bus(binding, profile, from);

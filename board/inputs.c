@@ -240,6 +240,8 @@ void inputs_stats(const struct inputs *inputs, struct stats *out)
 	const struct can_bus *bus = inputs->bus;
 	out->can_frames_in = inputs->vehicle.frames_in;
 	out->can_frames_bad = inputs->vehicle.frames_bad + (bus ? bus->stats.bad : 0);
+	for (int i = 0; i < VEHICLE_INPUT_COUNT; i++)
+		memcpy(out->signal_faults[i], inputs->vehicle.inputs[i].faults, sizeof(out->signal_faults[i]));
 	out->can_frames_lost = bus ? bus->stats.dropped : 0;
 	out->can_cpu_ms = bus ? (double)bus->stats.reader_cpu_ns / 1e6 : 0.0;
 	out->can_errors = 0;

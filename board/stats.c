@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "board/profile.h"
 #include "platform/base/clock.h"
 
 /* Values below HISTOGRAM_STEPS have a bin each; above, each factor of two is cut into HISTOGRAM_STEPS / 2 equal bins.
@@ -151,6 +152,27 @@ static void print_display(const struct stats *s, FILE *to)
 		counts->switches);
 }
 
+/* Why samples of a signal were not taken, of those signals that have any: {"speed": {"jump": 2}}. */
+static void print_signal_faults(const struct stats *s, FILE *to)
+{
+	const char *between_signals = "";
+	fputc('{', to);
+	for (int input = 0; input < VEHICLE_INPUT_COUNT; input++) {
+		const char *between = "";
+		for (int fault = VEHICLE_FAULT_NONE + 1; fault < VEHICLE_FAULT_COUNT; fault++) {
+			if (!s->signal_faults[input][fault])
+				continue;
+			if (!*between)
+				fprintf(to, "%s\"%s\": {", between_signals, profile_input_name((enum vehicle_input)input));
+			fprintf(to, "%s\"%s\": %u", between, vehicle_fault_name((enum vehicle_fault)fault),
+				(unsigned)s->signal_faults[input][fault]);
+			between = between_signals = ", ";
+		}
+		fputs(*between ? "}" : "", to);
+	}
+	fputc('}', to);
+}
+
 void stats_print_json(const struct stats *s, FILE *to)
 {
 	fprintf(to, "{\n  \"frames\": %llu,\n  \"renderer\": ", (unsigned long long)s->frames);
@@ -185,9 +207,11 @@ void stats_print_json(const struct stats *s, FILE *to)
 		print_controls(to, &s->controls);
 	if (s->camera.configured)
 		print_camera(to, &s->camera);
-	fprintf(to, "  \"vehicle\": {\"frames_in\": %llu, \"frames_bad\": %llu, \"stale_ms_max\": %lld}\n}\n",
+	fprintf(to, "  \"vehicle\": {\"frames_in\": %llu, \"frames_bad\": %llu, \"stale_ms_max\": %lld, \"faults\": ",
 		(unsigned long long)s->can_frames_in, (unsigned long long)s->can_frames_bad,
 		(long long)(s->stale_ns_max / 1000000));
+	print_signal_faults(s, to);
+	fputs("}\n}\n", to);
 }
 
 int stats_write(const struct stats *stats, const char *path)

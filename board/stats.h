@@ -9,6 +9,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "nav/vehicle.h"
 #include "platform/display/display.h"
 
 #define HISTOGRAM_STEPS 128 /* per factor of two */
@@ -83,6 +84,7 @@ struct stats {
 	char display_detail[64];
 	struct display_counts display_counts;
 	uint64_t can_frames_in, can_frames_bad;
+	uint32_t signal_faults[VEHICLE_INPUT_COUNT][VEHICLE_FAULT_COUNT]; /* samples that were not taken, and why */
 	uint64_t can_frames_lost; /* by the kernel, before we read them */
 	uint64_t can_errors;      /* error frames */
 	double can_cpu_ms;        /* of the thread that reads the bus */

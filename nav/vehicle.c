@@ -77,17 +77,23 @@ static double distance(const struct vehicle_binding *binding, double a, double b
 	return fabs(binding->wraps ? remainder(a - b, binding->turn) : a - b);
 }
 
+/* How much an input may change between two samples. Frames that waited somewhere, in an adapter or in a busy kernel, come
+ * at once: their time stamps tell less than the time that passed for the car. */
+static double largest_change(const struct vehicle_binding *binding, int64_t since_ns)
+{
+	int64_t passed_ns = since_ns > binding->spacing_ns ? since_ns : binding->spacing_ns;
+	return binding->max_rate * (double)passed_ns * 1e-9 + binding->quantum;
+}
+
 /* One outlier is dropped; a second sample that agrees with it shows that the car did change, or that the value before
  * was the wrong one. */
 static bool is_jump(const struct vehicle_binding *binding, struct vehicle_track *track, double value, int64_t now_ns)
 {
 	if (binding->max_rate <= 0.0 || elapsed(track->good_ns, now_ns) > binding->timeout_ns)
 		return false;
-	double since_good = (double)elapsed(track->good_ns, now_ns) * 1e-9;
-	double since_seen = (double)elapsed(track->seen_ns, now_ns) * 1e-9;
-	bool far = distance(binding, value, track->value) > binding->max_rate * since_good + binding->quantum;
-	bool agrees = track->has_candidate &&
-				  distance(binding, value, track->candidate) <= binding->max_rate * since_seen + binding->quantum;
+	bool far = distance(binding, value, track->value) > largest_change(binding, elapsed(track->good_ns, now_ns));
+	bool agrees = track->has_candidate && distance(binding, value, track->candidate) <=
+											  largest_change(binding, elapsed(track->seen_ns, now_ns));
 	track->candidate = value;
 	track->has_candidate = far && !agrees;
 	return track->has_candidate;

@@ -69,6 +69,7 @@ struct vehicle_binding {
 	double min, max;                 /* plausible, in the input's unit */
 	double max_rate;                 /* largest change a second, input's unit; 0: not looked at */
 	double quantum;                  /* one raw step in the input's unit: always allowed */
+	int64_t spacing_ns;              /* between two samples where they were sent: time stamps of delayed ones are closer */
 	int64_t timeout_ns;              /* older is stale; > 0 */
 	int64_t frozen_ns;               /* 0: may stay the same for ever */
 	bool wraps;                      /* a full turn (in the input's unit: `turn`) is the same */

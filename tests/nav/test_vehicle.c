@@ -163,6 +163,21 @@ static void a_jump_is_dropped_once_and_believed_when_it_stays(void **unused)
 	assert_int_equal(state_at(VEHICLE_SPEED, 2000), NAV_SIGNAL_GOOD);
 }
 
+static void frames_that_waited_are_no_jumps(void **unused)
+{
+	(void)unused;
+	struct vehicle_binding *speed = &config.inputs[VEHICLE_SPEED];
+	speed->max_rate = 20.0;
+	speed->quantum = 0.01;
+	speed->spacing_ns = 20 * MS;
+	for (int i = 0; i < 10; i++) { /* braking at 10 m/s^2, all delivered within 10 ms */
+		feed("MOTION", "Speed", 72.0 - 0.72 * i, 1000 + i);
+		assert_int_equal(vehicle.inputs[VEHICLE_SPEED].fault, VEHICLE_FAULT_NONE);
+	}
+	feed("MOTION", "Speed", 180.0, 1011);
+	assert_int_equal(vehicle.inputs[VEHICLE_SPEED].fault, VEHICLE_FAULT_JUMP);
+}
+
 static struct can_frame_rx counted(double kmh, int count, int64_t time_ms)
 {
 	struct can_frame_rx frame = frame_with("MOTION", "Speed", kmh, time_ms);
@@ -392,6 +407,7 @@ int main(void)
 		TEST(out_of_range_is_a_state_while_the_last_good_value_holds),
 		TEST(nan_and_infinity_are_not_taken),
 		TEST(a_jump_is_dropped_once_and_believed_when_it_stays),
+		TEST(frames_that_waited_are_no_jumps),
 		TEST(counters_wrap_skip_a_little_and_tell_repeats),
 		TEST(a_frozen_sender_goes_from_implausible_to_unusable),
 		TEST(a_damaged_frame_is_not_taken_whatever_bit_it_was),
