@@ -477,17 +477,33 @@ void renderer_draw_truth(
 {
 	renderer->primed = false;
 	prepare_frame(renderer, pose, NULL, time);
-	renderer_read_truth(renderer, out);
+	renderer_read_truth(renderer, (struct dvec2){ 0, 0 }, out);
 }
 
-void renderer_read_truth(struct renderer *renderer, uint32_t *out)
+/* The same view whose picture has been moved so that what was at `at_px` from a pixel's middle is in it. */
+static struct view look_beside(const struct view *view, struct dvec2 at_px)
+{
+	struct view out = *view;
+	float right = (float)(-2.0 * at_px.x / view->width), up = (float)(2.0 * at_px.y / view->height);
+	for (int slice = 0; slice < VIEW_SLICE_COUNT; slice++) {
+		float *m = out.slice[slice].clip_from_eye.m;
+		for (int column = 0; column < 4; column++) {
+			m[4 * column] += right * m[4 * column + 3];
+			m[4 * column + 1] += up * m[4 * column + 3];
+		}
+	}
+	return out;
+}
+
+void renderer_read_truth(struct renderer *renderer, struct dvec2 at_px, uint32_t *out)
 {
 	assert(renderer->config.truth);
+	struct view view = look_beside(&renderer->view, at_px);
 	frame_truth_begin(&renderer->truth);
-	frame_truth_draw_list(&renderer->truth, &renderer->mesh, &renderer->view, &renderer->scene.list);
+	frame_truth_draw_list(&renderer->truth, &renderer->mesh, &view, &renderer->scene.list);
 	const struct repr *repr = &renderer->scene.repr;
 	if (repr->ops->draw_truth)
-		repr->ops->draw_truth(repr, &renderer->view);
+		repr->ops->draw_truth(repr, &view);
 	frame_truth_end(&renderer->truth);
 	frame_truth_read(&renderer->truth, out);
 }

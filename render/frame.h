@@ -97,8 +97,9 @@ void renderer_draw_pose(struct renderer *renderer, const struct camera_pose *pos
  * config.truth. The picture stays as it was. */
 void renderer_draw_truth(
 	struct renderer *renderer, const struct camera_pose *pose, const struct renderer_time *time, uint32_t *out);
-/* The same of the last frame, whichever way it was drawn: from the draws that it was made of. */
-void renderer_read_truth(struct renderer *renderer, uint32_t *out);
+/* The same of the last frame, whichever way it was drawn: from the draws that it was made of; not at the pixels'
+ * centres but `at_px` from them, x right and y down. */
+void renderer_read_truth(struct renderer *renderer, struct dvec2 at_px, uint32_t *out);
 
 /* Turns of the knob. */
 struct camera *renderer_camera(struct renderer *renderer);

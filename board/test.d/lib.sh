@@ -176,12 +176,15 @@ colours() { board_screen colours "$OUT/$1.png"; }
 differ() { board_screen differ "$OUT/$1.png" "$OUT/$2.png"; }
 # watch_start SECONDS, then watch_end [start]: prints the longest time without a new picture, native ms; also $gap_ms.
 watch_start() {
-	board_screen watch "$1" >/run/watch.json &
-	watch_pid=$!
+	rm -f /run/watch.json
+	{
+		board_screen watch "$1" >/run/watch.part
+		mv /run/watch.part /run/watch.json
+	} &
 	sleep 0.2
 }
 watch_end() {
-	while kill -0 "$watch_pid" 2>/dev/null; do
+	until [ -e /run/watch.json ]; do # and not while its process lives: a subshell would see it dead and not yet waited for
 		sleep 0.02
 	done
 	gap_ms=$(native "$(jq -r .longest_gap_ms /run/watch.json)" "$@")

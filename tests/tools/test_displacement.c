@@ -21,7 +21,7 @@ static float map[W * H];
 /* Looking north, level. */
 static struct truth_image image_of(const struct truth_pixel *pixels)
 {
-	return (struct truth_image){ W, H, FOCAL, { 1, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 }, pixels };
+	return (struct truth_image){ W, H, FOCAL, { 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 }, pixels };
 }
 
 /* The place that is seen at a position of the picture, at a depth. */
@@ -55,7 +55,8 @@ static void fill_facade(struct truth_pixel *pixels, double shift_px)
 static void compare(void)
 {
 	struct truth_image reference = image_of(reference_pixels), shown = image_of(shown_pixels);
-	displacement_map(&reference, &shown, map);
+	displacement_begin(&reference, map);
+	displacement_offer(&reference, &shown, map);
 }
 
 static float at(int x, int y)
@@ -153,6 +154,48 @@ static void an_outline_one_pixel_off_is_less_than_a_pixel(void **state)
 	assert_true(fabs((double)at(20, 8) - 0.29289) < 1e-3);
 }
 
+/* A rail of a third of a pixel before a wall: in the middles of a row of pixels or of none. */
+static void fill_rail(struct truth_pixel *pixels, struct dvec2 sample_px, double moved_px)
+{
+	for (int y = 0; y < H; y++) {
+		for (int x = 0; x < W; x++) {
+			double at_x = x + 0.5 + sample_px.x, at_y = y + 0.5 + sample_px.y - moved_px;
+			bool rail = fabs(at_y - 10.5) < 1.0 / 6.0;
+			pixels[y * W + x] = rail ? place(1, at_x, at_y, 150.0) : place(7, at_x, at_y, 200.0);
+		}
+	}
+}
+
+static void what_is_thinner_than_a_pixel_is_found_where_it_moved_to(void **state)
+{
+	(void)state;
+	fill_rail(reference_pixels, (struct dvec2){ 0, 0 }, 0.0);
+	fill_rail(shown_pixels, (struct dvec2){ 0, 0 }, 0.5);
+	compare();
+	assert_true(isinf(at(30, 10))); /* it lies between the middles of two rows */
+	struct truth_image reference = image_of(reference_pixels);
+	for (int i = 0; i < DISPLACEMENT_SAMPLES; i++) {
+		struct truth_image shown = image_of(shown_pixels);
+		shown.sample_px = displacement_samples[i];
+		fill_rail(shown_pixels, shown.sample_px, 0.5);
+		displacement_offer(&reference, &shown, map);
+	}
+	for (int x = 2; x < W - 2; x++)
+		assert_true(fabs((double)at(x, 10) - 0.5) < 0.05);
+}
+
+static void samples_differ_in_both_coordinates(void **state)
+{
+	(void)state;
+	unsigned columns = 0, rows = 0;
+	for (int i = 0; i < DISPLACEMENT_SAMPLES; i++) {
+		columns |= 1u << (int)floor((displacement_samples[i].x + 0.5) * DISPLACEMENT_SAMPLES);
+		rows |= 1u << (int)floor((displacement_samples[i].y + 0.5) * DISPLACEMENT_SAMPLES);
+	}
+	assert_int_equal(columns, (1u << DISPLACEMENT_SAMPLES) - 1);
+	assert_int_equal(rows, (1u << DISPLACEMENT_SAMPLES) - 1);
+}
+
 static void other_surfaces_in_the_same_place_do_not_count(void **state)
 {
 	(void)state;
@@ -241,6 +284,8 @@ int main(void)
 		cmocka_unit_test(missing_surface_is_not_found),
 		cmocka_unit_test(a_grazing_facade_is_measured_in_the_picture),
 		cmocka_unit_test(an_outline_one_pixel_off_is_less_than_a_pixel),
+		cmocka_unit_test(what_is_thinner_than_a_pixel_is_found_where_it_moved_to),
+		cmocka_unit_test(samples_differ_in_both_coordinates),
 		cmocka_unit_test(other_surfaces_in_the_same_place_do_not_count),
 		cmocka_unit_test(coarse_positions_cost_half_their_width),
 		cmocka_unit_test(far_is_beside_the_axis_and_beyond_its_ends),

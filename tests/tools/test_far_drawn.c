@@ -50,6 +50,7 @@ static const char *const names[ENTRANTS] = { "full", "pvs", "impostor" };
 static char folder[] = "/tmp/blvd-test-far-drawn-XXXXXX";
 static char package[96];
 static struct pkg pkg;
+static const struct dvec2 pixel_middle = { 0, 0 };
 static struct entrant entrants[ENTRANTS];
 
 /* A street of 200 m with a side street in its middle and a car park beside it; the distance is houses along paths that
@@ -149,7 +150,7 @@ static struct truth_image truth_of(const struct entrant *entrant, const struct c
 {
 	struct view view;
 	camera_view(pose, entrant->config.width, entrant->config.height, 1.0, 2.0, &view);
-	return truth_image_of(&view, entrant->truth);
+	return truth_image_of(&view, pixel_middle, entrant->truth);
 }
 
 static bool stands(const struct truth_pixel *pixel)
@@ -163,7 +164,7 @@ static struct holes find_holes(const struct truth_image *reference, const struct
 {
 	struct holes holes;
 	uint8_t *map = malloc((size_t)reference->width * reference->height);
-	holes_find(reference, shown, &holes, map);
+	holes_find(reference, NULL, shown, &holes, map);
 	for (size_t i = 0; standing_only && i < holes.pixels; i++)
 		holes.uncovered -= map[i] && !stands(&reference->pixels[i]);
 	free(map);
@@ -178,7 +179,7 @@ static void draw_still(struct entrant *entrant, const struct camera_pose *pose)
 	display_use(&entrant->display);
 	renderer_draw_pose(entrant->renderer, pose, &noon);
 	renderer_read_pixels(entrant->renderer, entrant->pixels);
-	assert_int_equal(entrant_read_truth(entrant), 0);
+	assert_int_equal(entrant_read_truth(entrant, pixel_middle), 0);
 }
 
 static struct far_limit limit_of(const struct pkg_stretch *stretch, const int64_t eye_mm[3])
@@ -223,7 +224,8 @@ static void compare_still(const struct pkg_stretch *stretch, const struct camera
 		if (holes.cracks > CRACKS || (double)holes.uncovered > UNCOVERED_SHARE * SCREEN_PIXELS)
 			fail_msg("still %u, %s: %llu pixels uncovered, %llu of them cracks", number, names[i],
 				(unsigned long long)holes.uncovered, (unsigned long long)holes.cracks);
-		displacement_map(&reference, &shown, map);
+		displacement_begin(&reference, map);
+		displacement_offer(&reference, &shown, map);
 		/* at the horizon a pixel of land is a hundred metres deep, and is found or not by chance */
 		for (size_t at = 0; at < holes.pixels; at++)
 			map[at] = stands(&reference.pixels[at]) ? map[at] : DISPLACEMENT_NOTHING;
@@ -292,7 +294,7 @@ static void check_frame(struct drive *drive, const char *scene)
 {
 	for (int i = 0; i < ENTRANTS; i++) {
 		assert_int_equal(entrant_draw(&entrants[i], &drive->frame), 0);
-		assert_int_equal(entrant_read_truth(&entrants[i]), 0);
+		assert_int_equal(entrant_read_truth(&entrants[i], pixel_middle), 0);
 	}
 	struct renderer_stats stats;
 	renderer_stats(entrants[IMPOSTOR].renderer, &stats);

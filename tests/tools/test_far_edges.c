@@ -131,6 +131,7 @@ static const struct place places[PLACES] = {
 	[COARSE] = { "coarse", { 0.0, -150.0 }, NULL, { ALL, "--tau", "64" } },
 };
 static struct pkg cities[PLACES];
+static const struct dvec2 pixel_middle = { 0, 0 };
 
 static void bake_place(int which)
 {
@@ -224,7 +225,7 @@ static void draw(struct easel *easel, const struct camera_pose *pose)
 	renderer_draw_pose(easel->renderer, pose, &noon);
 	renderer_read_pixels(easel->renderer, easel->px);
 	if (easel->truth)
-		renderer_read_truth(easel->renderer, (uint32_t *)(void *)easel->truth);
+		renderer_read_truth(easel->renderer, pixel_middle, (uint32_t *)(void *)easel->truth);
 }
 
 /* An eye above a street that runs along x: metres from where its file begins to count. */
@@ -269,7 +270,7 @@ static struct truth_image truth_of(const struct easel *easel, const struct camer
 {
 	struct view view;
 	camera_view(pose, easel->width, easel->height, 1.0, 2.0, &view);
-	return truth_image_of(&view, easel->truth);
+	return truth_image_of(&view, pixel_middle, easel->truth);
 }
 
 static bool is_land(int city, uint32_t object)
@@ -287,7 +288,7 @@ static void assert_complete(
 	uint8_t *map = malloc(pixels);
 	if (!map || !full->truth || !shown->truth)
 		abort();
-	holes_find(&reference, &image, &holes, map);
+	holes_find(&reference, NULL, &image, &holes, map);
 	for (size_t i = 0; i < pixels; i++)
 		holes.uncovered -= map[i] && is_land(city, reference.pixels[i].object);
 	free(map);

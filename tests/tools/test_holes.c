@@ -29,7 +29,7 @@ static struct holes find(const char *const reference[H], const char *const shown
 	fill(reference_pixels, reference);
 	fill(shown_pixels, shown);
 	struct holes out;
-	holes_find(&(struct truth_image){ .width = W, .height = H, .pixels = reference_pixels },
+	holes_find(&(struct truth_image){ .width = W, .height = H, .pixels = reference_pixels }, NULL,
 		&(struct truth_image){ .width = W, .height = H, .pixels = shown_pixels }, &out, map);
 	return out;
 }

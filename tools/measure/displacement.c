@@ -11,6 +11,11 @@
 const double displacement_class_px[DISPLACEMENT_CLASSES] = { SAME_PX, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0,
 	DISPLACEMENT_REACH_PX, INFINITY };
 
+/* Hammersley's points in two dimensions. */
+const struct dvec2 displacement_samples[DISPLACEMENT_SAMPLES] = { { -7.0 / 16, -7.0 / 16 }, { -5.0 / 16, 1.0 / 16 },
+	{ -3.0 / 16, -3.0 / 16 }, { -1.0 / 16, 5.0 / 16 }, { 1.0 / 16, -5.0 / 16 }, { 3.0 / 16, 3.0 / 16 },
+	{ 5.0 / 16, -1.0 / 16 }, { 7.0 / 16, 7.0 / 16 } };
+
 struct depths {
 	double min_m, max_m;
 };
@@ -70,18 +75,22 @@ static void offer(const struct truth_image *reference, const struct truth_pixel 
 	}
 }
 
-void displacement_map(const struct truth_image *reference, const struct truth_image *shown, float *map)
+void displacement_begin(const struct truth_image *reference, float *map)
 {
 	size_t pixels = (size_t)reference->width * reference->height;
 	for (size_t i = 0; i < pixels; i++)
 		map[i] = reference->pixels[i].object ? INFINITY : DISPLACEMENT_NOTHING;
+}
+
+void displacement_offer(const struct truth_image *reference, const struct truth_image *shown, float *map)
+{
 	for (uint32_t y = 0; y < shown->height; y++) {
 		for (uint32_t x = 0; x < shown->width; x++) {
 			const struct truth_pixel *pixel = &shown->pixels[(size_t)y * shown->width + x];
 			struct dvec2 at;
 			if (!pixel->object || !truth_project(shown, pixel, &at.x, &at.y))
 				continue;
-			double off_px = hypot(at.x - x - 0.5, at.y - y - 0.5);
+			double off_px = hypot(at.x - x - 0.5 - shown->sample_px.x, at.y - y - 0.5 - shown->sample_px.y);
 			if (off_px <= DISPLACEMENT_REACH_PX)
 				offer(reference, pixel, at, off_px < SAME_PX ? 0.0 : off_px, truth_depth_m(shown, pixel), map);
 		}

@@ -12,6 +12,10 @@
  *
  * So equal pictures give 0, a picture moved by k pixels gives k, and a place that is not shown within 16 px is not
  * found. Positions must be those of the true surface, not of the triangles that stand for it.
+ *
+ * What is thinner than a pixel is seen at a pixel's middle or not, as it happens: the geometry itself, moved by a quarter
+ * of a pixel, would not show 5 % of the far pixels of a street with railings. So what is shown is looked at in
+ * displacement_samples besides, which what is an eighth of a pixel thin cannot slip through.
  */
 #ifndef BLVD_TOOLS_MEASURE_DISPLACEMENT_H
 #define BLVD_TOOLS_MEASURE_DISPLACEMENT_H
@@ -23,9 +27,15 @@
 #define DISPLACEMENT_REACH_PX 16.0
 #define DISPLACEMENT_NOTHING (-1.0f) /* the reference shows nothing here */
 
-/* Writes one value a pixel of the reference: px up to DISPLACEMENT_REACH_PX, DISPLACEMENT_NOTHING, or infinity where
- * the place is not found. Both images are of one size and eye. Linear in the number of pixels. */
-void displacement_map(const struct truth_image *reference, const struct truth_image *shown, float *map);
+/* Where in a pixel: from its middle, px. No two in one row or column. */
+#define DISPLACEMENT_SAMPLES 8
+extern const struct dvec2 displacement_samples[DISPLACEMENT_SAMPLES];
+
+/* One value a pixel of the reference: px up to DISPLACEMENT_REACH_PX, DISPLACEMENT_NOTHING, or infinity where the place
+ * is not found: all of them to begin with, until what is shown is offered, once for every sample. The reference is
+ * sampled at the middles of pixels. All images are of one size and eye. Linear in the number of pixels. */
+void displacement_begin(const struct truth_image *reference, float *map);
+void displacement_offer(const struct truth_image *reference, const struct truth_image *shown, float *map);
 
 /* What is far from a street: farther than near_m, seen from above, from the axis between two places given from the
  * eye. */

@@ -101,12 +101,12 @@ int entrant_draw(struct entrant *entrant, const struct replay_frame *frame)
 	return 0;
 }
 
-int entrant_read_truth(struct entrant *entrant)
+int entrant_read_truth(struct entrant *entrant, struct dvec2 at_px)
 {
 	int status = display_use(&entrant->display);
 	if (status < 0)
 		return status;
-	renderer_read_truth(entrant->renderer, (uint32_t *)(void *)entrant->truth);
+	renderer_read_truth(entrant->renderer, at_px, (uint32_t *)(void *)entrant->truth);
 	return 0;
 }
 

@@ -320,26 +320,31 @@ static bool is_pictured(const struct trial *trial, uint32_t number)
 	return index * pictures / compared != (index + 1) * pictures / compared;
 }
 
+static int compare_entrant(
+	struct trial *trial, uint32_t number, uint32_t which, const uint8_t *open, struct trial_row *row)
+{
+	struct entrant *entrant = &trial->entrants[which], *full = &trial->entrants[0];
+	bool pictured = is_pictured(trial, number);
+	char folder[PATH_MAX], map[PATH_MAX];
+	snprintf(folder, sizeof(folder), "%s/pictures", trial->config->folder);
+	if (snprintf(map, sizeof(map), "%s/%s-%06u-displaced.png", folder, entrant->config.name, number) >=
+		(int)sizeof(map))
+		return -ENAMETOOLONG;
+	int status = pictured ? trial_write_pictures(folder, number, full, entrant) : 0;
+	if (status || which == 0)
+		return status;
+	return trial_compare(
+		&trial->pkg, &trial->drive.items[number], full, open, entrant, row, pictured ? map : NULL);
+}
+
 static int compare_all(struct trial *trial, uint32_t number, struct trial_row *rows)
 {
 	const struct trial_config *c = trial->config;
-	const struct replay_frame *frame = &trial->drive.items[number];
-	char folder[PATH_MAX];
-	snprintf(folder, sizeof(folder), "%s/pictures", c->folder);
-	int status = 0;
-	for (uint32_t i = 0; i < c->count && !status; i++) {
-		if (is_pictured(trial, number))
-			status = trial_write_pictures(folder, number, &trial->entrants[0], &trial->entrants[i]);
-		if (!status)
-			status = entrant_read_truth(&trial->entrants[i]);
-		char map[PATH_MAX];
-		if (snprintf(map, sizeof(map), "%s/%s-%06u-displaced.png", folder, trial->entrants[i].config.name, number) >=
-			(int)sizeof(map))
-			return -ENAMETOOLONG;
-		if (!status && i)
-			status = trial_compare(&trial->pkg, frame, &trial->entrants[0], &trial->entrants[i], &rows[i],
-				is_pictured(trial, number) ? map : NULL);
-	}
+	uint8_t *open = array_grow(NULL, &(size_t){ 0 }, (size_t)c->width * c->height, 1);
+	int status = trial_reference(&trial->drive.items[number], &trial->entrants[0], open);
+	for (uint32_t i = 0; i < c->count && !status; i++)
+		status = compare_entrant(trial, number, i, open, &rows[i]);
+	array_free(open);
 	return status;
 }
 

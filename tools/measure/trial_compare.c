@@ -3,6 +3,7 @@
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "assets/cells.h"
 #include "tools/measure/coverage.h"
@@ -81,33 +82,72 @@ static int write_map(
 	return status;
 }
 
-static int compare_truth(const struct pkg *pkg, const struct camera_pose *pose, const struct entrant *full,
-	const struct entrant *shown, struct trial_row *row, const char *picture)
+static const struct dvec2 middle = { 0, 0 };
+
+static struct truth_image image_of(const struct replay_frame *frame, const struct entrant *entrant, struct dvec2 at_px)
 {
 	struct view view;
-	camera_view(pose, full->config.width, full->config.height, 1.0, 2.0, &view); /* the slices do not matter here */
-	struct truth_image reference = truth_image_of(&view, full->truth), image = truth_image_of(&view, shown->truth);
-	struct far_limit limit = limit_of(pkg, row, pose->eye_mm);
-	float *map = array_grow(NULL, &(size_t){ 0 }, (size_t)view.width * view.height, sizeof(float));
-	displacement_map(&reference, &image, map);
-	displacement_add(&row->displacement, &reference, map, &limit);
-	struct holes holes;
-	holes_find(&reference, &image, &holes, NULL);
-	row->pixels = holes.pixels;
-	row->drawn = holes.drawn;
-	row->uncovered = holes.uncovered;
-	row->cracks = holes.cracks;
-	int status = picture ? write_map(&reference, map, &limit, picture) : 0;
+	camera_view(&frame->pose, entrant->config.width, entrant->config.height, 1.0, 2.0, &view); /* slices do not matter */
+	return truth_image_of(&view, at_px, entrant->truth);
+}
+
+int trial_reference(const struct replay_frame *frame, struct entrant *full, uint8_t *open)
+{
+	int status = 0;
+	memset(open, 0, (size_t)full->config.width * full->config.height);
+	for (int i = 0; i < DISPLACEMENT_SAMPLES && !status; i++) {
+		status = entrant_read_truth(full, displacement_samples[i]);
+		struct truth_image image = image_of(frame, full, displacement_samples[i]);
+		if (!status)
+			holes_mark_open(&image, open);
+	}
+	return status ? status : entrant_read_truth(full, middle);
+}
+
+static int displace(
+	const struct replay_frame *frame, const struct truth_image *reference, struct entrant *shown, float *map)
+{
+	displacement_begin(reference, map);
+	for (int i = 0; i <= DISPLACEMENT_SAMPLES; i++) {
+		struct dvec2 at_px = i < DISPLACEMENT_SAMPLES ? displacement_samples[i] : middle;
+		int status = entrant_read_truth(shown, at_px);
+		if (status)
+			return status;
+		struct truth_image image = image_of(frame, shown, at_px);
+		displacement_offer(reference, &image, map);
+	}
+	return 0;
+}
+
+/* The entrant's truth is that of the pixels' middles afterwards. */
+static int compare_truth(const struct pkg *pkg, const struct replay_frame *frame, const struct entrant *full,
+	const uint8_t *open, struct entrant *shown, struct trial_row *row, const char *picture)
+{
+	struct truth_image reference = image_of(frame, full, middle);
+	struct far_limit limit = limit_of(pkg, row, frame->pose.eye_mm);
+	float *map = array_grow(NULL, &(size_t){ 0 }, (size_t)reference.width * reference.height, sizeof(float));
+	int status = displace(frame, &reference, shown, map);
+	if (!status) {
+		displacement_add(&row->displacement, &reference, map, &limit);
+		struct truth_image image = image_of(frame, shown, middle);
+		struct holes holes;
+		holes_find(&reference, open, &image, &holes, NULL);
+		row->pixels = holes.pixels;
+		row->drawn = holes.drawn;
+		row->uncovered = holes.uncovered;
+		row->cracks = holes.cracks;
+		status = picture ? write_map(&reference, map, &limit, picture) : 0;
+	}
 	array_free(map);
 	return status;
 }
 
 int trial_compare(const struct pkg *pkg, const struct replay_frame *frame, const struct entrant *full,
-	const struct entrant *shown, struct trial_row *row, const char *map)
+	const uint8_t *open, struct entrant *shown, struct trial_row *row, const char *map)
 {
 	row->compared = true;
 	compare_pictures(full, shown, row);
-	return compare_truth(pkg, &frame->pose, full, shown, row, map);
+	return compare_truth(pkg, frame, full, open, shown, row, map);
 }
 
 int trial_write_pictures(const char *folder, uint32_t number, const struct entrant *full, const struct entrant *shown)

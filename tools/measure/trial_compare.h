@@ -5,11 +5,14 @@
 #include "tools/measure/entrant.h"
 #include "tools/measure/trial_row.h"
 
-/* Both entrants have drawn the frame and its truth. Fills in the row's compared part. `map` NULL or the path of a PNG:
+/* Of `full`, which has drawn the frame: its truth, and a byte a pixel where it is open (holes.h). Returns 0 or -EIO. */
+int trial_reference(const struct replay_frame *frame, struct entrant *full, uint8_t *open);
+
+/* Of a representation that has drawn the same frame. Fills in the row's compared part. `map` NULL or the path of a PNG:
  * what is far is green where it is displaced by no more than 1 px, yellow by more, red where it is not found; what is
  * near is dark. Returns 0 or -EIO. */
 int trial_compare(const struct pkg *pkg, const struct replay_frame *frame, const struct entrant *full,
-	const struct entrant *shown, struct trial_row *row, const char *map);
+	const uint8_t *open, struct entrant *shown, struct trial_row *row, const char *map);
 
 /* Writes NAME-NUMBER.png of a representation, and unless it is `full`, NAME-NUMBER-difference.png. Returns 0 or -EIO.
  */

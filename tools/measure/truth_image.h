@@ -22,15 +22,18 @@ static_assert(sizeof(struct truth_pixel) == 16, "as the GPU writes it");
 struct truth_image {
 	uint32_t width, height;
 	double focal_px;                /* pixels of 1 m at 1 m */
+	struct dvec2 sample_px;         /* where in a pixel it was looked at, from the centre; x right, y down */
 	struct vec3 right, up, forward; /* unit, world axes; the view's axis meets the picture's middle */
 	const struct truth_pixel *pixels;
 };
 
-static inline struct truth_image truth_image_of(const struct view *view, const struct truth_pixel *pixels)
+static inline struct truth_image truth_image_of(
+	const struct view *view, struct dvec2 sample_px, const struct truth_pixel *pixels)
 {
 	return (struct truth_image){ .width = view->width,
 		.height = view->height,
 		.focal_px = (double)view->focal_px,
+		.sample_px = sample_px,
 		.right = view->right,
 		.up = view->up,
 		.forward = view->forward,
