@@ -17,6 +17,7 @@
 
 static struct truth_pixel reference_pixels[W * H], shown_pixels[W * H];
 static float map[W * H];
+static struct displacement_depth depths[W * H];
 
 /* Looking north, level. */
 static struct truth_image image_of(const struct truth_pixel *pixels)
@@ -56,7 +57,8 @@ static void compare(void)
 {
 	struct truth_image reference = image_of(reference_pixels), shown = image_of(shown_pixels);
 	displacement_begin(&reference, map);
-	displacement_offer(&reference, &shown, map);
+	displacement_depths(&reference, depths);
+	displacement_offer(&reference, depths, &shown, map);
 }
 
 static float at(int x, int y)
@@ -178,7 +180,7 @@ static void what_is_thinner_than_a_pixel_is_found_where_it_moved_to(void **state
 		struct truth_image shown = image_of(shown_pixels);
 		shown.sample_px = displacement_samples[i];
 		fill_rail(shown_pixels, shown.sample_px, 0.5);
-		displacement_offer(&reference, &shown, map);
+		displacement_offer(&reference, depths, &shown, map);
 	}
 	for (int x = 2; x < W - 2; x++)
 		assert_true(fabs((double)at(x, 10) - 0.5) < 0.05);

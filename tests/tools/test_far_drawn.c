@@ -213,24 +213,29 @@ static void compare_still(const struct pkg_stretch *stretch, const struct camera
 {
 	struct truth_image reference = truth_of(&entrants[FULL], pose);
 	struct far_limit limit = limit_of(stretch, pose->eye_mm);
-	float *map = malloc(sizeof(float) * reference.width * reference.height);
+	size_t pixels = (size_t)reference.width * reference.height;
+	float *map = malloc(pixels * sizeof(*map));
+	struct displacement_depth *depths = malloc(pixels * sizeof(*depths));
 	for (int i = 0; i < ENTRANTS; i++) {
 		draw_still(&entrants[i], pose);
 		keep(&entrants[i], "still", number);
-		if (i == FULL)
+		if (i == FULL) {
+			displacement_depths(&reference, depths);
 			continue;
+		}
 		struct truth_image shown = truth_of(&entrants[i], pose);
 		struct holes holes = find_holes(&reference, &shown, true);
 		if (holes.cracks > CRACKS || (double)holes.uncovered > UNCOVERED_SHARE * SCREEN_PIXELS)
 			fail_msg("still %u, %s: %llu pixels uncovered, %llu of them cracks", number, names[i],
 				(unsigned long long)holes.uncovered, (unsigned long long)holes.cracks);
 		displacement_begin(&reference, map);
-		displacement_offer(&reference, &shown, map);
+		displacement_offer(&reference, depths, &shown, map);
 		/* at the horizon a pixel of land is a hundred metres deep, and is found or not by chance */
 		for (size_t at = 0; at < holes.pixels; at++)
 			map[at] = stands(&reference.pixels[at]) ? map[at] : DISPLACEMENT_NOTHING;
 		displacement_add(&displaced[i], &reference, map, &limit);
 	}
+	free(depths);
 	free(map);
 }
 

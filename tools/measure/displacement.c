@@ -16,36 +16,32 @@ const struct dvec2 displacement_samples[DISPLACEMENT_SAMPLES] = { { -7.0 / 16, -
 	{ -3.0 / 16, -3.0 / 16 }, { -1.0 / 16, 5.0 / 16 }, { 1.0 / 16, -5.0 / 16 }, { 3.0 / 16, 3.0 / 16 },
 	{ 5.0 / 16, -1.0 / 16 }, { 7.0 / 16, 7.0 / 16 } };
 
-struct depths {
-	double min_m, max_m;
-};
-
 /* How deep the pixel's object is around it. */
-static struct depths depths_around(const struct truth_image *image, uint32_t x, uint32_t y)
+static struct displacement_depth depth_around(
+	const struct truth_image *image, const struct displacement_depth *depths, uint32_t x, uint32_t y)
 {
-	const struct truth_pixel *at = &image->pixels[(size_t)y * image->width + x];
-	struct depths out = { INFINITY, -INFINITY };
+	uint32_t object = image->pixels[(size_t)y * image->width + x].object;
+	struct displacement_depth out = { INFINITY, -INFINITY };
 	for (uint32_t v = y ? y - 1 : 0; v <= y + 1 && v < image->height; v++) {
 		for (uint32_t u = x ? x - 1 : 0; u <= x + 1 && u < image->width; u++) {
-			const struct truth_pixel *near = &image->pixels[(size_t)v * image->width + u];
-			if (near->object != at->object)
+			size_t i = (size_t)v * image->width + u;
+			if (image->pixels[i].object != object)
 				continue;
-			double depth = truth_depth_m(image, near);
-			out.min_m = fmin(out.min_m, depth);
-			out.max_m = fmax(out.max_m, depth);
+			out.min_m = fminf(out.min_m, depths[i].min_m);
+			out.max_m = fmaxf(out.max_m, depths[i].max_m);
 		}
 	}
 	return out;
 }
 
-static bool shows_same(
-	const struct truth_image *reference, uint32_t x, uint32_t y, const struct truth_pixel *shown, double depth_m)
+static bool shows_same(const struct truth_image *reference, const struct displacement_depth *depths, uint32_t x,
+	uint32_t y, const struct truth_pixel *shown, double depth_m)
 {
 	if (reference->pixels[(size_t)y * reference->width + x].object != shown->object)
 		return false;
-	struct depths depths = depths_around(reference, x, y);
+	struct displacement_depth around = depth_around(reference, depths, x, y);
 	double margin_m = MARGIN_PX * depth_m / reference->focal_px;
-	return depth_m >= depths.min_m - margin_m && depth_m <= depths.max_m + margin_m;
+	return depth_m >= (double)around.min_m - margin_m && depth_m <= (double)around.max_m + margin_m;
 }
 
 /* The pixels whose centres lie within OFFER_PX of a coordinate: first to last, empty when first > last. */
@@ -57,8 +53,8 @@ static void pixels_near(double at, uint32_t size, long *first, long *last)
 	*last = *last >= (long)size ? (long)size - 1 : *last;
 }
 
-static void offer(const struct truth_image *reference, const struct truth_pixel *shown, struct dvec2 at, double off_px,
-	double depth_m, float *map)
+static void offer(const struct truth_image *reference, const struct displacement_depth *depths,
+	const struct truth_pixel *shown, struct dvec2 at, double off_px, double depth_m, float *map)
 {
 	long left, right, top, bottom;
 	pixels_near(at.x, reference->width, &left, &right);
@@ -69,7 +65,7 @@ static void offer(const struct truth_image *reference, const struct truth_pixel 
 			double beside_px = hypot((double)x + 0.5 - at.x, (double)y + 0.5 - at.y) - FREE_PX;
 			double sum_px = off_px + fmax(0.0, beside_px);
 			if (sum_px < (double)map[index] && sum_px <= DISPLACEMENT_REACH_PX &&
-				shows_same(reference, (uint32_t)x, (uint32_t)y, shown, depth_m))
+				shows_same(reference, depths, (uint32_t)x, (uint32_t)y, shown, depth_m))
 				map[index] = (float)sum_px;
 		}
 	}
@@ -82,7 +78,28 @@ void displacement_begin(const struct truth_image *reference, float *map)
 		map[i] = reference->pixels[i].object ? INFINITY : DISPLACEMENT_NOTHING;
 }
 
-void displacement_offer(const struct truth_image *reference, const struct truth_image *shown, float *map)
+void displacement_depths(const struct truth_image *reference, struct displacement_depth *depths)
+{
+	size_t pixels = (size_t)reference->width * reference->height;
+	for (size_t i = 0; i < pixels; i++)
+		depths[i].min_m = depths[i].max_m = (float)truth_depth_m(reference, &reference->pixels[i]);
+}
+
+void displacement_widen(
+	const struct truth_image *reference, const struct truth_image *sample, struct displacement_depth *depths)
+{
+	size_t pixels = (size_t)reference->width * reference->height;
+	for (size_t i = 0; i < pixels; i++) {
+		if (!sample->pixels[i].object || sample->pixels[i].object != reference->pixels[i].object)
+			continue;
+		float depth_m = (float)truth_depth_m(sample, &sample->pixels[i]);
+		depths[i].min_m = fminf(depths[i].min_m, depth_m);
+		depths[i].max_m = fmaxf(depths[i].max_m, depth_m);
+	}
+}
+
+void displacement_offer(const struct truth_image *reference, const struct displacement_depth *depths,
+	const struct truth_image *shown, float *map)
 {
 	for (uint32_t y = 0; y < shown->height; y++) {
 		for (uint32_t x = 0; x < shown->width; x++) {
@@ -92,7 +109,7 @@ void displacement_offer(const struct truth_image *reference, const struct truth_
 				continue;
 			double off_px = hypot(at.x - x - 0.5 - shown->sample_px.x, at.y - y - 0.5 - shown->sample_px.y);
 			if (off_px <= DISPLACEMENT_REACH_PX)
-				offer(reference, pixel, at, off_px < SAME_PX ? 0.0 : off_px, truth_depth_m(shown, pixel), map);
+				offer(reference, depths, pixel, at, off_px < SAME_PX ? 0.0 : off_px, truth_depth_m(shown, pixel), map);
 		}
 	}
 }

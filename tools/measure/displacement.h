@@ -4,8 +4,8 @@
  * A pixel q of the representation shows a place Y, whose own position in the picture is project(Y). What is seen at q
  * is therefore displaced by |project(Y) - q|, whatever was drawn to show it. For a pixel p of the reference, which
  * shows a place X of an object, the displacement is that of the pixel q that shows the same place: of the same object,
- * projected to within 1.5 px of p in either direction, and as deep as the object is around p in the reference (3 x 3
- * pixels, and a margin of three pixels' footprint). The distance is measured in the picture and not along the surface,
+ * projected to within 1.5 px of p in either direction, and as deep as the object is around p in the reference (samples
+ * of 3 x 3 pixels, and a margin of three pixels' footprint). The distance is measured in the picture and not along the surface,
  * so that facades seen at a grazing angle, where neighbouring pixels are metres apart, need no special care. How far
  * project(Y) is from the pixel p beyond half a pixel's diagonal is added: at an outline that is off by one pixel the
  * nearest thing shown lies next to p. Of all such q the one with the smallest sum counts.
@@ -14,7 +14,7 @@
  * found. Positions must be those of the true surface, not of the triangles that stand for it.
  *
  * What is thinner than a pixel is seen at a pixel's middle or not, as it happens: the geometry itself, moved by a quarter
- * of a pixel, would not show 5 % of the far pixels of a street with railings. So what is shown is looked at in
+ * of a pixel, would not show 5 % of the far pixels of a street with railings. So both pictures are looked at in
  * displacement_samples besides, which what is an eighth of a pixel thin cannot slip through.
  */
 #ifndef BLVD_TOOLS_MEASURE_DISPLACEMENT_H
@@ -31,11 +31,21 @@
 #define DISPLACEMENT_SAMPLES 8
 extern const struct dvec2 displacement_samples[DISPLACEMENT_SAMPLES];
 
+/* How deep a pixel's object is in it, m. */
+struct displacement_depth {
+	float min_m, max_m;
+};
+
 /* One value a pixel of the reference: px up to DISPLACEMENT_REACH_PX, DISPLACEMENT_NOTHING, or infinity where the place
- * is not found: all of them to begin with, until what is shown is offered, once for every sample. The reference is
- * sampled at the middles of pixels. All images are of one size and eye. Linear in the number of pixels. */
+ * is not found: all of them to begin with, until what is shown is offered, once for every sample. Depths are those of
+ * the pixels' middles to begin with; each sample of the reference widens them. All images are of one size and eye.
+ * Linear in the number of pixels. */
 void displacement_begin(const struct truth_image *reference, float *map);
-void displacement_offer(const struct truth_image *reference, const struct truth_image *shown, float *map);
+void displacement_depths(const struct truth_image *reference, struct displacement_depth *depths);
+void displacement_widen(
+	const struct truth_image *reference, const struct truth_image *sample, struct displacement_depth *depths);
+void displacement_offer(const struct truth_image *reference, const struct displacement_depth *depths,
+	const struct truth_image *shown, float *map);
 
 /* What is far from a street: farther than near_m, seen from above, from the axis between two places given from the
  * eye. */

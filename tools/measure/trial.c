@@ -320,8 +320,8 @@ static bool is_pictured(const struct trial *trial, uint32_t number)
 	return index * pictures / compared != (index + 1) * pictures / compared;
 }
 
-static int compare_entrant(
-	struct trial *trial, uint32_t number, uint32_t which, const uint8_t *open, struct trial_row *row)
+static int compare_entrant(struct trial *trial, uint32_t number, uint32_t which,
+	const struct trial_reference *reference, struct trial_row *row)
 {
 	struct entrant *entrant = &trial->entrants[which], *full = &trial->entrants[0];
 	bool pictured = is_pictured(trial, number);
@@ -334,17 +334,16 @@ static int compare_entrant(
 	if (status || which == 0)
 		return status;
 	return trial_compare(
-		&trial->pkg, &trial->drive.items[number], full, open, entrant, row, pictured ? map : NULL);
+		&trial->pkg, &trial->drive.items[number], full, reference, entrant, row, pictured ? map : NULL);
 }
 
 static int compare_all(struct trial *trial, uint32_t number, struct trial_row *rows)
 {
-	const struct trial_config *c = trial->config;
-	uint8_t *open = array_grow(NULL, &(size_t){ 0 }, (size_t)c->width * c->height, 1);
-	int status = trial_reference(&trial->drive.items[number], &trial->entrants[0], open);
-	for (uint32_t i = 0; i < c->count && !status; i++)
-		status = compare_entrant(trial, number, i, open, &rows[i]);
-	array_free(open);
+	struct trial_reference reference;
+	int status = trial_reference(&trial->drive.items[number], &trial->entrants[0], &reference);
+	for (uint32_t i = 0; i < trial->config->count && !status; i++)
+		status = compare_entrant(trial, number, i, &reference, &rows[i]);
+	trial_reference_finish(&reference);
 	return status;
 }
 

@@ -91,63 +91,77 @@ static struct truth_image image_of(const struct replay_frame *frame, const struc
 	return truth_image_of(&view, at_px, entrant->truth);
 }
 
-int trial_reference(const struct replay_frame *frame, struct entrant *full, uint8_t *open)
+int trial_reference(const struct replay_frame *frame, struct entrant *full, struct trial_reference *out)
 {
-	int status = 0;
-	memset(open, 0, (size_t)full->config.width * full->config.height);
+	size_t pixels = (size_t)full->config.width * full->config.height;
+	int status = entrant_read_truth(full, middle);
+	*out = (struct trial_reference){
+		.truth = array_grow(NULL, &(size_t){ 0 }, pixels, sizeof(*out->truth)),
+		.open = array_grow(NULL, &(size_t){ 0 }, pixels, 1),
+		.depths = array_grow(NULL, &(size_t){ 0 }, pixels, sizeof(*out->depths)),
+		.map = array_grow(NULL, &(size_t){ 0 }, pixels, sizeof(*out->map)),
+	};
+	memcpy(out->truth, full->truth, pixels * sizeof(*out->truth));
+	out->image = image_of(frame, full, middle);
+	out->image.pixels = out->truth;
+	displacement_depths(&out->image, out->depths);
+	memset(out->open, 0, pixels);
 	for (int i = 0; i < DISPLACEMENT_SAMPLES && !status; i++) {
 		status = entrant_read_truth(full, displacement_samples[i]);
-		struct truth_image image = image_of(frame, full, displacement_samples[i]);
-		if (!status)
-			holes_mark_open(&image, open);
+		struct truth_image sample = image_of(frame, full, displacement_samples[i]);
+		holes_mark_open(&sample, out->open);
+		displacement_widen(&out->image, &sample, out->depths);
 	}
-	return status ? status : entrant_read_truth(full, middle);
+	return status;
 }
 
-static int displace(
-	const struct replay_frame *frame, const struct truth_image *reference, struct entrant *shown, float *map)
+void trial_reference_finish(struct trial_reference *reference)
 {
-	displacement_begin(reference, map);
-	for (int i = 0; i <= DISPLACEMENT_SAMPLES; i++) {
+	array_free(reference->truth);
+	array_free(reference->open);
+	array_free(reference->depths);
+	array_free(reference->map);
+	*reference = (struct trial_reference){ 0 };
+}
+
+static int displace(const struct replay_frame *frame, const struct trial_reference *reference, struct entrant *shown)
+{
+	displacement_begin(&reference->image, reference->map);
+	for (int i = 0; i <= DISPLACEMENT_SAMPLES; i++) { /* the middle last: it stays */
 		struct dvec2 at_px = i < DISPLACEMENT_SAMPLES ? displacement_samples[i] : middle;
 		int status = entrant_read_truth(shown, at_px);
 		if (status)
 			return status;
 		struct truth_image image = image_of(frame, shown, at_px);
-		displacement_offer(reference, &image, map);
+		displacement_offer(&reference->image, reference->depths, &image, reference->map);
 	}
 	return 0;
 }
 
-/* The entrant's truth is that of the pixels' middles afterwards. */
-static int compare_truth(const struct pkg *pkg, const struct replay_frame *frame, const struct entrant *full,
-	const uint8_t *open, struct entrant *shown, struct trial_row *row, const char *picture)
+static int compare_truth(const struct pkg *pkg, const struct replay_frame *frame,
+	const struct trial_reference *reference, struct entrant *shown, struct trial_row *row, const char *picture)
 {
-	struct truth_image reference = image_of(frame, full, middle);
 	struct far_limit limit = limit_of(pkg, row, frame->pose.eye_mm);
-	float *map = array_grow(NULL, &(size_t){ 0 }, (size_t)reference.width * reference.height, sizeof(float));
-	int status = displace(frame, &reference, shown, map);
-	if (!status) {
-		displacement_add(&row->displacement, &reference, map, &limit);
-		struct truth_image image = image_of(frame, shown, middle);
-		struct holes holes;
-		holes_find(&reference, open, &image, &holes, NULL);
-		row->pixels = holes.pixels;
-		row->drawn = holes.drawn;
-		row->uncovered = holes.uncovered;
-		row->cracks = holes.cracks;
-		status = picture ? write_map(&reference, map, &limit, picture) : 0;
-	}
-	array_free(map);
-	return status;
+	int status = displace(frame, reference, shown);
+	if (status)
+		return status;
+	displacement_add(&row->displacement, &reference->image, reference->map, &limit);
+	struct truth_image image = image_of(frame, shown, middle);
+	struct holes holes;
+	holes_find(&reference->image, reference->open, &image, &holes, NULL);
+	row->pixels = holes.pixels;
+	row->drawn = holes.drawn;
+	row->uncovered = holes.uncovered;
+	row->cracks = holes.cracks;
+	return picture ? write_map(&reference->image, reference->map, &limit, picture) : 0;
 }
 
 int trial_compare(const struct pkg *pkg, const struct replay_frame *frame, const struct entrant *full,
-	const uint8_t *open, struct entrant *shown, struct trial_row *row, const char *map)
+	const struct trial_reference *reference, struct entrant *shown, struct trial_row *row, const char *map)
 {
 	row->compared = true;
 	compare_pictures(full, shown, row);
-	return compare_truth(pkg, frame, full, open, shown, row, map);
+	return compare_truth(pkg, frame, reference, shown, row, map);
 }
 
 int trial_write_pictures(const char *folder, uint32_t number, const struct entrant *full, const struct entrant *shown)
