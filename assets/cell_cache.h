@@ -1,5 +1,5 @@
 /*
- * The far field's stretches in memory: which ones are wanted, a thread that reads, checks, inflates and prepares them,
+ * The far field's stretches in memory: which ones are wanted, a thread that reads, checks, unpacks and prepares them,
  * and a fixed number of slots. The frame only has to upload what is ready, a slice at a time.
  *
  * One slot holds one stretch: its local set, the impostors of its two cells, and its visible set of distant triangles

@@ -1,12 +1,11 @@
 /*
- * Cells: places to stretches, and blobs to checked views. Inflating costs about 4 ms a raw MiB, checking far less.
+ * Cells: places to stretches, and what blobs hold to checked views.
  */
 #include "assets/cells.h"
 
 #include <errno.h>
 #include <math.h>
 #include <string.h>
-#include <zlib.h>
 
 #include "assets/pkg_check.h"
 
@@ -56,57 +55,6 @@ double cells_distance_m(const struct pkg_stretch *stretch, const int64_t eye_mm[
 	double out[3];
 	outside_mm(stretch, eye_mm, out);
 	return sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2]) / 1000.0;
-}
-
-struct blob_reader {
-	z_stream stream;
-	struct arena arena; /* what zlib asks for once, at init */
-};
-
-/* More than zlib takes: its state, and a window of 32 KiB. */
-#define INFLATE_BYTES (64u << 10)
-
-static voidpf give_memory(voidpf opaque, uInt items, uInt size)
-{
-	struct arena *arena = opaque;
-	return arena_alloc(arena, (size_t)items * size, 16);
-}
-
-static void keep_memory(voidpf opaque, voidpf address)
-{
-	(void)opaque;
-	(void)address;
-}
-
-/* zlib makes its window when a stream comes in parts, which ours do not; it would find room in the reader's arena. */
-int blob_reader_init(struct blob_reader **out, struct arena *arena)
-{
-	struct blob_reader *reader = ARENA_ARRAY(arena, struct blob_reader, 1);
-	if (!reader || arena_carve(arena, &reader->arena, "inflate", INFLATE_BYTES) < 0)
-		return -ENOMEM;
-	reader->stream.zalloc = give_memory;
-	reader->stream.zfree = keep_memory;
-	reader->stream.opaque = &reader->arena;
-	if (inflateInit(&reader->stream) != Z_OK)
-		return -ENOMEM;
-	*out = reader;
-	return 0;
-}
-
-int blob_read(struct blob_reader *reader, const struct pkg *pkg, const struct pkg_blob *blob, void *out)
-{
-	const uint8_t *stored = pkg->blobs + blob->offset;
-	if (pkg_crc32(0, stored, blob->stored_bytes) != blob->crc32)
-		return -EBADMSG;
-	z_stream *stream = &reader->stream;
-	if (inflateReset(stream) != Z_OK)
-		return -EBADMSG;
-	stream->next_in = (z_const Bytef *)stored;
-	stream->avail_in = blob->stored_bytes;
-	stream->next_out = out;
-	stream->avail_out = blob->raw_bytes;
-	int end = inflate(stream, Z_FINISH);
-	return end == Z_STREAM_END && !stream->avail_out && !stream->avail_in ? 0 : -EBADMSG;
 }
 
 static uint32_t count_bits(const uint8_t *mask, uint32_t bytes)
@@ -241,7 +189,7 @@ static uint32_t largest_raw(const struct pkg *pkg)
 
 uint64_t cells_verify_bytes(const struct pkg *pkg)
 {
-	return sizeof(struct blob_reader) + INFLATE_BYTES + largest_raw(pkg) + 256;
+	return BLOB_READER_BYTES + largest_raw(pkg) + 256;
 }
 
 int cells_verify(const struct pkg *pkg, struct arena *arena, struct pkg_fault *fault)

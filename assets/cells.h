@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "assets/blob.h"
 #include "assets/pkg.h"
 #include "platform/base/arena.h"
 
@@ -19,13 +20,6 @@ uint32_t cells_stretch_at(const struct pkg *pkg, uint32_t edge, int64_t along_mm
 bool cells_holds_eye(const struct pkg_stretch *stretch, const int64_t eye_mm[3]);
 /* Metres from the eye to the view cell; 0 inside. */
 double cells_distance_m(const struct pkg_stretch *stretch, const int64_t eye_mm[3]);
-
-/* Inflates blobs without touching the heap after init. One reader belongs to one thread. */
-struct blob_reader;
-/* Returns 0 or -ENOMEM. */
-int blob_reader_init(struct blob_reader **out, struct arena *arena);
-/* `out` has blob->raw_bytes. Returns 0, or -EBADMSG when the checksum, the stream or its length is wrong. */
-int blob_read(struct blob_reader *reader, const struct pkg *pkg, const struct pkg_blob *blob, void *out);
 
 /* Checked views into the raw bytes of a set, or of an impostor; `raw` is aligned to 4. Every index is in range
  * afterwards. Returns 0 or -EBADMSG. */

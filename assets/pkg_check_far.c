@@ -7,7 +7,7 @@
 
 #include "assets/pkg_check.h"
 
-#define DEFLATE_RATIO_MAX 1032u /* no stream of zlib's grows by more */
+#define UNPACK_RATIO_MAX 8192u /* LZMA's longest match is 273 bytes and never takes less than a quarter of a bit */
 #define EDGE_SLACK_MM 1000u
 
 int pkg_check_far_counts(const struct pkg *pkg, uint64_t index_count, uint64_t cell_count, struct pkg_fault *fault)
@@ -32,7 +32,7 @@ static bool blob_fits(const struct pkg *pkg, const struct pkg_blob *blob, uint64
 		return !blob->raw_bytes;
 	return blob->offset % PKG_BLOB_ALIGN == 0 && pkg_run_fits(blob->offset, blob->stored_bytes, pkg->blobs_bytes) &&
 		   blob->raw_bytes >= raw_min && blob->raw_bytes <= raw_max &&
-		   blob->raw_bytes <= (uint64_t)blob->stored_bytes * DEFLATE_RATIO_MAX;
+		   blob->raw_bytes <= (uint64_t)blob->stored_bytes * UNPACK_RATIO_MAX;
 }
 
 /* A set of these triangles at most: every object may be in it with a mask of whole bytes. */

@@ -16,7 +16,7 @@
 #include <stdint.h>
 
 #define PKG_MAGIC "BLVDPKG\n"
-#define PKG_VERSION_MAJOR 1 /* readers refuse another major version */
+#define PKG_VERSION_MAJOR 2 /* readers refuse another major version */
 #define PKG_VERSION_MINOR 0 /* readers accept any minor version, and ignore sections they do not know */
 #define PKG_ALIGN 4096u
 #define PKG_NONE UINT32_MAX /* "no index" */
@@ -351,13 +351,14 @@ static_assert(sizeof(struct pkg_glyph_at) == 12, "on-disk layout");
 #define PKG_STRC PKG_TAG('S', 'T', 'R', 'C')
 struct pkg_blob {          /* bytes of CELD */
 	uint64_t offset;       /* multiple of PKG_BLOB_ALIGN */
-	uint32_t stored_bytes; /* 0: there is none. A zlib stream */
-	uint32_t raw_bytes;    /* after inflating */
+	uint32_t stored_bytes; /* 0: there is none. Raw LZMA2, with a window of PKG_BLOB_WINDOW */
+	uint32_t raw_bytes;    /* after unpacking */
 	uint32_t crc32;        /* of the stored bytes */
 	uint32_t reserved;
 };
 static_assert(sizeof(struct pkg_blob) == 24, "on-disk layout");
 #define PKG_BLOB_ALIGN 64u
+#define PKG_BLOB_WINDOW (256u << 10)
 struct pkg_stretch {
 	uint32_t edge;
 	uint32_t from_mm, to_mm; /* along the edge's polyline, horizontal; an edge's stretches cover it without a gap */

@@ -1,6 +1,7 @@
 #include "tests/assets/far_city.h"
 
 #include <assert.h>
+#include <lzma.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -153,16 +154,20 @@ static void build_chunk(struct builder *b, uint32_t index)
 	}
 }
 
-/* Deflates and appends to CELD. */
+/* Packs and appends to CELD. */
 static struct pkg_blob put_blob(struct builder *b, const struct buffer *raw)
 {
 	struct buffer *all = &b->sections[CELD];
-	uLongf stored = compressBound(raw->size);
-	uint8_t *bytes = malloc(stored);
-	assert(bytes);
-	int status = compress2(bytes, &stored, raw->bytes, raw->size, 1);
-	assert(status == Z_OK);
-	(void)status;
+	lzma_options_lzma options;
+	lzma_filter filters[] = { { LZMA_FILTER_LZMA2, &options }, { LZMA_VLI_UNKNOWN, NULL } };
+	bool unknown = lzma_lzma_preset(&options, 1);
+	options.dict_size = PKG_BLOB_WINDOW;
+	size_t stored = 0, room = raw->size + raw->size / 8 + 64;
+	uint8_t *bytes = malloc(room);
+	assert(bytes && !unknown);
+	lzma_ret status = lzma_raw_buffer_encode(filters, NULL, raw->bytes, raw->size, bytes, &stored, room);
+	assert(status == LZMA_OK);
+	(void)unknown, (void)status;
 	align(all, PKG_BLOB_ALIGN);
 	struct pkg_blob blob = { .offset = all->size,
 		.stored_bytes = (uint32_t)stored,

@@ -10,12 +10,12 @@
  *   impostor  else. When its error is above tau, the bound on triangles or pages came first, and the cell says so.
  */
 #include "tools/impostor/cell_bake.h"
+#include "tools/impostor/blob_write.h"
 
 #include <errno.h>
 #include <math.h>
 #include <string.h>
 #include <time.h>
-#include <zlib.h>
 
 #include "platform/base/log.h"
 #include "tools/impostor/capture.h"
@@ -40,7 +40,6 @@
 #define FIRST_MARGIN_PX (2.0 * WANTED_MARGIN_PX)
 #define MARGIN_PX 16.0 /* around what is left, for surfaces to go on under what hides them */
 #define WANTED_RADIUS_PX 7
-#define DEFLATE_LEVEL 6
 
 struct cell_baker {
 	const struct pkg *pkg;
@@ -142,30 +141,13 @@ static void spend(double *on, int64_t *since)
 
 /* --- blobs --- */
 
-/* Deflates baker->raw to the end of `out`. */
-static int store_blob(struct cell_baker *baker, byte_array *out, struct pkg_blob *blob)
-{
-	size_t at = (out->count + PKG_BLOB_ALIGN - 1) / PKG_BLOB_ALIGN * PKG_BLOB_ALIGN;
-	uLongf stored = compressBound(baker->raw.count);
-	ARRAY_RESERVE(out, at + stored);
-	memset(out->items + out->count, 0, at - out->count);
-	if (compress2(out->items + at, &stored, baker->raw.items, baker->raw.count, DEFLATE_LEVEL) != Z_OK)
-		return -ENOMEM;
-	*blob = (struct pkg_blob){ .offset = at,
-		.stored_bytes = (uint32_t)stored,
-		.raw_bytes = (uint32_t)baker->raw.count,
-		.crc32 = (uint32_t)crc32(0, out->items + at, (uInt)stored) };
-	out->count = at + stored;
-	return 0;
-}
-
 static int store_set(struct cell_baker *baker, const struct triangle_set *set, byte_array *out, struct pkg_blob *blob)
 {
 	if (!set->triangles)
 		return 0;
 	baker->raw.count = 0;
 	triangle_set_encode(set, baker->pkg, &baker->raw);
-	return store_blob(baker, out, blob);
+	return blob_append(out, &baker->raw, blob);
 }
 
 /* --- what is in front --- */
@@ -338,12 +320,12 @@ static int store_impostor(
 	memcpy(cell->origin_mm, impostor->origin_mm, sizeof(cell->origin_mm));
 	baker->raw.count = 0;
 	impostor_encode(impostor, &baker->raw);
-	int err = store_blob(baker, bytes, &cell->impostor);
+	int err = blob_append(bytes, &baker->raw, &cell->impostor);
 	if (err || !impostor->truth || !impostor->page_count)
 		return err;
 	baker->raw.count = 0;
 	impostor_encode_truth(impostor, &baker->raw);
-	return store_blob(baker, bytes, &cell->truth);
+	return blob_append(bytes, &baker->raw, &cell->truth);
 }
 
 static void keep_geometry(struct pkg_cell *cell, enum pkg_cell_reason reason)

@@ -1,4 +1,4 @@
-/* An impostor's bytes in the package. Blocks that show nothing are all the same, so that they deflate to nothing. */
+/* An impostor's bytes in the package. Blocks that show nothing are all the same, so that they pack to nothing. */
 #include <string.h>
 
 #include "tools/bake/etc2.h"

@@ -1,0 +1,12 @@
+/* Packs what goes into CELD (assets/blob.h reads it). */
+#ifndef BLVD_TOOLS_IMPOSTOR_BLOB_WRITE_H
+#define BLVD_TOOLS_IMPOSTOR_BLOB_WRITE_H
+
+#include "assets/pkg_format.h"
+#include "tools/impostor/triangle_set.h"
+
+/* Appends the packed bytes of `raw`, aligned, and says where they are. The same bytes in, the same bytes out. Returns
+ * 0, or -ENOMEM. */
+int blob_append(byte_array *out, const byte_array *raw, struct pkg_blob *blob);
+
+#endif
