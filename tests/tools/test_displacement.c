@@ -186,6 +186,40 @@ static void what_is_thinner_than_a_pixel_is_found_where_it_moved_to(void **state
 		assert_true(fabs((double)at(x, 10) - 0.5) < 0.05);
 }
 
+/* Land from 2 m above it, seen in one row of pixels only: a wall hides it nearer by, another ends it. */
+static void fill_strip(struct truth_pixel *pixels, struct dvec2 sample_px, double moved_px)
+{
+	for (int y = 0; y < H; y++) {
+		for (int x = 0; x < W; x++) {
+			double at_x = x + 0.5 + sample_px.x, at_y = y + 0.5 + sample_px.y - moved_px;
+			double below = at_y - H / 2.0;
+			bool land = below > 1.1 && below < 1.9;
+			pixels[y * W + x] = land ? place(4, at_x, at_y, 2.0 * FOCAL / below) : place(7, at_x, at_y, 50.0);
+		}
+	}
+}
+
+static void land_that_a_pixel_shows_hundreds_of_metres_of_is_found(void **state)
+{
+	(void)state;
+	struct truth_image reference = image_of(reference_pixels), sample = image_of(shown_pixels);
+	fill_strip(reference_pixels, (struct dvec2){ 0, 0 }, 0.0);
+	displacement_begin(&reference, map);
+	displacement_depths(&reference, depths);
+	for (int i = 0; i < DISPLACEMENT_SAMPLES; i++) {
+		sample.sample_px = displacement_samples[i];
+		fill_strip(shown_pixels, sample.sample_px, 0.0);
+		displacement_widen(&reference, &sample, depths);
+	}
+	for (int i = 0; i < DISPLACEMENT_SAMPLES; i++) {
+		sample.sample_px = displacement_samples[i];
+		fill_strip(shown_pixels, sample.sample_px, 0.6);
+		displacement_offer(&reference, depths, &sample, map);
+	}
+	for (int x = 2; x < W - 2; x++)
+		assert_true(fabs((double)at(x, H / 2 + 1) - 0.6) < 0.05);
+}
+
 static void samples_differ_in_both_coordinates(void **state)
 {
 	(void)state;
@@ -287,6 +321,7 @@ int main(void)
 		cmocka_unit_test(a_grazing_facade_is_measured_in_the_picture),
 		cmocka_unit_test(an_outline_one_pixel_off_is_less_than_a_pixel),
 		cmocka_unit_test(what_is_thinner_than_a_pixel_is_found_where_it_moved_to),
+		cmocka_unit_test(land_that_a_pixel_shows_hundreds_of_metres_of_is_found),
 		cmocka_unit_test(samples_differ_in_both_coordinates),
 		cmocka_unit_test(other_surfaces_in_the_same_place_do_not_count),
 		cmocka_unit_test(coarse_positions_cost_half_their_width),

@@ -1,8 +1,8 @@
 /* An impostor's bytes in the package. Blocks that show nothing are all the same, so that they pack to nothing. */
 #include <string.h>
 
-#include "tools/bake/etc2.h"
 #include "tools/impostor/impostor.h"
+#include "tools/impostor/page_blocks.h"
 
 void impostor_mesh_finish(struct impostor_mesh *mesh)
 {
@@ -34,19 +34,9 @@ static void put(byte_array *out, const void *bytes, size_t count)
 
 static void encode_page(const uint8_t *page, byte_array *out)
 {
-	static const uint8_t nothing[16][4];
-	uint8_t empty[ETC2_BLOCK_BYTES], texels[16][4], block[ETC2_BLOCK_BYTES];
-	etc2_encode_block(empty, nothing);
-	for (uint32_t top = 0; top < PKG_PAGE_PX; top += 4) {
-		for (uint32_t left = 0; left < PKG_PAGE_PX; left += 4) {
-			for (uint32_t row = 0; row < 4; row++)
-				memcpy(texels[4 * row], page + 4 * ((size_t)(top + row) * PKG_PAGE_PX + left), 16);
-			bool is_empty = !memcmp(texels, nothing, sizeof(texels));
-			if (!is_empty)
-				etc2_encode_block(block, (const uint8_t(*)[4])texels);
-			put(out, is_empty ? empty : block, ETC2_BLOCK_BYTES);
-		}
-	}
+	ARRAY_RESERVE(out, out->count + PKG_PAGE_BYTES);
+	page_blocks(page, out->items + out->count);
+	out->count += PKG_PAGE_BYTES;
 }
 
 void impostor_encode(const struct impostor *impostor, byte_array *out)

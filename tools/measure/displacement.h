@@ -5,16 +5,16 @@
  * is therefore displaced by |project(Y) - q|, whatever was drawn to show it. For a pixel p of the reference, which
  * shows a place X of an object, the displacement is that of the pixel q that shows the same place: of the same object,
  * projected to within 1.5 px of p in either direction, and as deep as the object is around p in the reference (samples
- * of 3 x 3 pixels, and a margin of three pixels' footprint). The distance is measured in the picture and not along the surface,
- * so that facades seen at a grazing angle, where neighbouring pixels are metres apart, need no special care. How far
- * project(Y) is from the pixel p beyond half a pixel's diagonal is added: at an outline that is off by one pixel the
- * nearest thing shown lies next to p. Of all such q the one with the smallest sum counts.
+ * of 3 x 3 pixels, and a margin of three pixels' footprint). The distance is measured in the picture and not along the
+ * surface, so that facades seen at a grazing angle, where neighbouring pixels are metres apart, need no special care.
+ * How far project(Y) is from the pixel p beyond half a pixel's diagonal is added: at an outline that is off by one
+ * pixel the nearest thing shown lies next to p. Of all such q the one with the smallest sum counts.
  *
  * So equal pictures give 0, a picture moved by k pixels gives k, and a place that is not shown within 16 px is not
  * found. Positions must be those of the true surface, not of the triangles that stand for it.
  *
- * What is thinner than a pixel is seen at a pixel's middle or not, as it happens: the geometry itself, moved by a quarter
- * of a pixel, would not show 5 % of the far pixels of a street with railings. So both pictures are looked at in
+ * What is thinner than a pixel is seen at a pixel's middle or not, as it happens: the geometry itself, moved by a
+ * quarter of a pixel, would not show 5 % of the far pixels of a street with railings. So both pictures are looked at in
  * displacement_samples besides, which what is an eighth of a pixel thin cannot slip through.
  */
 #ifndef BLVD_TOOLS_MEASURE_DISPLACEMENT_H

@@ -87,7 +87,8 @@ static const struct dvec2 middle = { 0, 0 };
 static struct truth_image image_of(const struct replay_frame *frame, const struct entrant *entrant, struct dvec2 at_px)
 {
 	struct view view;
-	camera_view(&frame->pose, entrant->config.width, entrant->config.height, 1.0, 2.0, &view); /* slices do not matter */
+	camera_view(
+		&frame->pose, entrant->config.width, entrant->config.height, 1.0, 2.0, &view); /* slices do not matter */
 	return truth_image_of(&view, at_px, entrant->truth);
 }
 

@@ -1,0 +1,187 @@
+#include "tools/impostor/page_blocks.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "tools/bake/etc2.h"
+#include "tools/bake/etc2_modes.h"
+
+#define RECENT 64 /* colour words that are looked back at */
+
+/* What a colour word takes of the packed bytes: its own, with one half repeated, repeated as a whole. */
+#define OWN_BYTES 7.5f
+#define HALF_BYTES 5.5f
+#define REPEATED_BYTES 2.5f
+
+/* What a byte is worth, of squared steps summed over a block: that, and a share of the error that the block has anyway,
+ * since what is rough hides more. */
+#define WORTH 40.0f
+#define WORTH_SHARE 0.3f
+
+#define HIDDEN_WEIGHT 0.25f /* of a texel that is cut away: filters reach it */
+
+#define HIGH_HALF 0xFFFFFFFF00000000u
+#define LOW_HALF 0xFFFFFFFFu
+
+/* The eight bytes of a block that are its colour, and what comes of them. */
+struct colour_word {
+	uint64_t bits;
+	uint8_t shown[16][4];
+	uint8_t palette[4][16][4]; /* by index and texel: what its high half shows with any indices */
+	uint8_t index[16];         /* of its low half */
+	bool halves;               /* its low half are indices: not so in the planar mode */
+};
+
+struct page_coder {
+	struct colour_word recent[RECENT];
+	unsigned count;
+	const uint8_t (*texels)[4]; /* of the block at hand */
+	float weight[16];
+};
+
+struct choice {
+	uint64_t bits;
+	float loss;
+};
+
+static void show(uint64_t bits, uint8_t texels[16][4])
+{
+	uint8_t block[ETC2_BLOCK_BYTES] = { 0 };
+	for (int i = 0; i < 8; i++)
+		block[8 + i] = (uint8_t)(bits >> (56 - 8 * i));
+	etc2_decode_block(texels, block);
+}
+
+static struct colour_word word_of(uint64_t bits)
+{
+	struct colour_word word = { .bits = bits, .halves = true };
+	show(bits, word.shown);
+	for (unsigned index = 0; index < 4; index++) {
+		uint64_t all = 0;
+		for (unsigned i = 0; i < 16; i++)
+			all |= etc2_index_bits(i, index);
+		show((bits & HIGH_HALF) | all, word.palette[index]);
+	}
+	for (unsigned i = 0; i < 16; i++) {
+		for (unsigned index = 0; index < 4; index++)
+			if ((bits & etc2_index_bits(i, 3)) == etc2_index_bits(i, index))
+				word.index[i] = (uint8_t)index;
+		word.halves &= !memcmp(word.shown[i], word.palette[word.index[i]][i], 3);
+	}
+	return word;
+}
+
+static float texel_error(const struct page_coder *coder, unsigned i, const uint8_t colour[4])
+{
+	const uint8_t *texel = coder->texels[i];
+	int error =
+		etc2_square(colour[0] - texel[0]) + etc2_square(colour[1] - texel[1]) + etc2_square(colour[2] - texel[2]);
+	return coder->weight[i] * (float)error;
+}
+
+static float shown_error(const struct page_coder *coder, const struct colour_word *word)
+{
+	float sum = 0;
+	for (unsigned i = 0; i < 16; i++)
+		sum += texel_error(coder, i, word->shown[i]);
+	return sum;
+}
+
+/* The word's colours, with the indices that fit best. */
+static float palette_error(const struct page_coder *coder, const struct colour_word *word, uint64_t *indices)
+{
+	float sum = 0;
+	*indices = 0;
+	for (unsigned i = 0; i < 16; i++) {
+		float least = INFINITY;
+		unsigned best = 0;
+		for (unsigned index = 0; index < 4; index++) {
+			float error = texel_error(coder, i, word->palette[index][i]);
+			best = error < least ? index : best;
+			least = error < least ? error : least;
+		}
+		*indices |= etc2_index_bits(i, best);
+		sum += least;
+	}
+	return sum;
+}
+
+/* The colours of `word` with the indices of `other`. */
+static float index_error(
+	const struct page_coder *coder, const struct colour_word *word, const struct colour_word *other)
+{
+	float sum = 0;
+	for (unsigned i = 0; i < 16; i++)
+		sum += texel_error(coder, i, word->palette[other->index[i]][i]);
+	return sum;
+}
+
+static void consider(struct choice *best, uint64_t bits, float loss)
+{
+	if (loss < best->loss)
+		*best = (struct choice){ bits, loss };
+}
+
+static uint64_t choose(const struct page_coder *coder, const struct colour_word *own)
+{
+	float error = shown_error(coder, own), worth = WORTH + WORTH_SHARE * error;
+	struct choice best = { own->bits, error + OWN_BYTES * worth };
+	for (unsigned n = 0; n < coder->count && n < RECENT; n++) {
+		const struct colour_word *recent = &coder->recent[n];
+		uint64_t indices;
+		consider(&best, recent->bits, shown_error(coder, recent) + REPEATED_BYTES * worth);
+		if (!recent->halves)
+			continue;
+		float fitted = palette_error(coder, recent, &indices) + HALF_BYTES * worth;
+		consider(&best, (recent->bits & HIGH_HALF) | indices, fitted);
+		if (own->halves)
+			consider(&best, (own->bits & HIGH_HALF) | (recent->bits & LOW_HALF),
+				index_error(coder, own, recent) + HALF_BYTES * worth);
+	}
+	return best.bits;
+}
+
+static void remember(struct page_coder *coder, const struct colour_word *word)
+{
+	for (unsigned n = 0; n < coder->count && n < RECENT; n++)
+		if (coder->recent[n].bits == word->bits)
+			return;
+	coder->recent[coder->count++ % RECENT] = *word;
+}
+
+static void code_block(struct page_coder *coder, const uint8_t texels[16][4], uint8_t block[ETC2_BLOCK_BYTES])
+{
+	etc2_encode_block(block, texels);
+	uint64_t bits = 0;
+	for (int i = 0; i < 8; i++)
+		bits = bits << 8 | block[8 + i];
+	coder->texels = texels;
+	for (unsigned i = 0; i < 16; i++)
+		coder->weight[i] = texels[i][3] ? 1.0f : HIDDEN_WEIGHT;
+	struct colour_word word = word_of(bits);
+	uint64_t chosen = choose(coder, &word);
+	if (chosen != bits)
+		word = word_of(chosen);
+	remember(coder, &word);
+	for (int i = 0; i < 8; i++)
+		block[8 + i] = (uint8_t)(chosen >> (56 - 8 * i));
+}
+
+void page_blocks(const uint8_t *page, uint8_t blocks[PKG_PAGE_BYTES])
+{
+	static const uint8_t nothing[16][4];
+	uint8_t texels[16][4], empty[ETC2_BLOCK_BYTES];
+	struct page_coder coder = { 0 };
+	etc2_encode_block(empty, nothing);
+	for (uint32_t top = 0; top < PKG_PAGE_PX; top += 4) {
+		for (uint32_t left = 0; left < PKG_PAGE_PX; left += 4, blocks += ETC2_BLOCK_BYTES) {
+			for (uint32_t row = 0; row < 4; row++)
+				memcpy(texels[4 * row], page + 4 * ((size_t)(top + row) * PKG_PAGE_PX + left), 16);
+			if (memcmp(texels, nothing, sizeof(texels)))
+				code_block(&coder, (const uint8_t(*)[4])texels, blocks);
+			else
+				memcpy(blocks, empty, sizeof(empty));
+		}
+	}
+}
