@@ -178,10 +178,10 @@ void page_blocks(const uint8_t *page, uint8_t blocks[PKG_PAGE_BYTES])
 		for (uint32_t left = 0; left < PKG_PAGE_PX; left += 4, blocks += ETC2_BLOCK_BYTES) {
 			for (uint32_t row = 0; row < 4; row++)
 				memcpy(texels[4 * row], page + 4 * ((size_t)(top + row) * PKG_PAGE_PX + left), 16);
-			if (memcmp(texels, nothing, sizeof(texels)))
-				code_block(&coder, (const uint8_t(*)[4])texels, blocks);
-			else
+			if (memcmp(texels, nothing, sizeof(texels)) == 0)
 				memcpy(blocks, empty, sizeof(empty));
+			else
+				code_block(&coder, (const uint8_t(*)[4])texels, blocks);
 		}
 	}
 }
