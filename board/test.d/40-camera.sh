@@ -10,6 +10,7 @@ shows_picture() {
 	seconds 0.4
 	more_than shown "$before"
 }
+camera_set() { v4l2-ctl -d /dev/video0 -c "$1"; } # CONTROL=VALUE
 # profile FORMAT: the emulator's with that format
 profile() { sed "s/^fps = 30/fps = 30\nformat = $1/" /usr/share/boulevard/profiles/emulator.ini >/run/camera.ini; }
 
@@ -52,16 +53,16 @@ check 'plugged in again, the picture is back within 2 s' within 4 shows_picture
 note 'plugged in to picture, with the asking, ms' "$took_ms"
 
 frozen=$(camera_state frozen)
-v4l2-ctl -d /dev/video0 -c perc_dropped_buffers=100
+check 'the camera can be silenced' camera_set percentage_of_dropped_buffers=100
 check 'a silent camera is known as frozen' within 2 more_than frozen "$frozen"
 seconds 0.3
 screen camera-frozen
-v4l2-ctl -d /dev/video0 -c perc_dropped_buffers=0
+camera_set percentage_of_dropped_buffers=0
 check 'and live again' within 4 shows_picture
 frozen=$(camera_state frozen)
-v4l2-ctl -d /dev/video0 -c osd_text_mode=2
+camera_set osd_text_mode=2
 check 'a camera that repeats its picture is known as frozen' within 2 more_than frozen "$frozen"
-v4l2-ctl -d /dev/video0 -c osd_text_mode=0
+camera_set osd_text_mode=0
 check 'and live again with a picture that moves' within 4 shows_picture
 check 'the unit was never restarted' test "$(unit_restarts)" = 0
 

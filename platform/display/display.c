@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "platform/display/shader_cache.h"
+
 const struct display_ops *display_by_name(const char *name)
 {
 	static const struct display_ops *const all[] = {
@@ -23,7 +25,9 @@ const struct display_ops *display_by_name(const char *name)
 int display_open(struct display *display, const struct display_ops *ops, const struct display_config *config)
 {
 	*display = (struct display){ .ops = ops, .width = config->width, .height = config->height, .dim = 1.0f };
+	shader_cache_check();
 	int err = ops->open(display, config);
+	shader_cache_reserve();
 	if (err)
 		*display = (struct display){ 0 };
 	return err;
