@@ -9,7 +9,7 @@ check 'it is in the groups it needs and no other' test "$(groups_of)" = 'bouleva
 check 'it has no capability' grep -q '^CapEff:[[:space:]]*0000000000000000$' "/proc/$(unit_pid)/status"
 check 'it cannot gain any' grep -q '^NoNewPrivs:[[:space:]]*1$' "/proc/$(unit_pid)/status"
 # Seen from inside: every mount that can be written and is no device, proc or its own /tmp.
-writable() { awk '$6 ~ /(^|,)rw(,|$)/ && $5 !~ "^/(dev|proc|sys|tmp|var/tmp|run)(/|$)" { print $5 }' "/proc/$(unit_pid)/mountinfo"; }
+writable() { awk '$6 ~ /(^|,)rw(,|$)/ && $5 !~ "^/(dev|proc|sys|tmp|var/tmp|run)(/|$)" { print $5 }' "/proc/$(unit_pid)/mountinfo" | sort -u; }
 check 'it can write its state folder and nothing else' test "$(writable)" = /var/lib/boulevard
 seconds 3
 check 'the watchdog is fed' unit_running

@@ -7,7 +7,7 @@ grows() {
 	sleep 0.3
 	[ "$(frames)" -gt "$grows_before" ]
 }
-close_pin ignition
+ignition_on
 unit_start
 drive_start 20
 check 'the car is heard' within 10 grows

@@ -1,5 +1,6 @@
 #!/bin/sh
 # knob, buttons and lines: the menu, a line in use elsewhere, a chip that goes and comes back, an input device
+needs_pins
 
 tests=$(dirname "$CITY")/../tests
 says() { [ "$(stat_of ".controls.$1")" = "$2" ]; }

@@ -1,5 +1,6 @@
 #!/bin/sh
 # the knob and the buttons change the picture; the knob alone reaches the menu and leaves it
+needs_pins
 unit_start
 drive_start 20
 pictures_come

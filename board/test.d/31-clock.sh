@@ -1,7 +1,7 @@
 #!/bin/sh
 # the clock is set back a year, and forward two
 command -v can_load >/dev/null || skip 'no can_load'
-close_pin ignition
+ignition_on
 unit_start
 can_load --play "$DRIVE" vcan0 & # canplayer's pace is the wall clock's
 player=$!

@@ -1,5 +1,6 @@
 #!/bin/sh
 # the reversing camera: picture by the lever's contact, gone after it; unplugged, silent, frozen; without a map
+needs_pins
 command -v v4l2-ctl >/dev/null || skip 'v4l2-ctl is missing (v4l-utils)'
 [ -c /dev/video0 ] || skip 'no camera here'
 

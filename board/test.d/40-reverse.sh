@@ -1,5 +1,6 @@
 #!/bin/sh
 # short: the lever's contact brings the camera's picture in time
+needs_pins
 unit_start
 seconds 1
 screen ahead

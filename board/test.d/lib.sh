@@ -29,6 +29,9 @@ skip() {
 	exit 77
 }
 
+# needs_pins: ends a scene that turns switches where the kernel has no simulated ones.
+needs_pins() { [ -e "$PINS/pin-reverse" ] || skip 'no pins in this kernel'; }
+
 # In this guest a frame takes $SLOW times as long as outside, and a start $SLOW_START times (run measures both), so a
 # limit that is meant for a board is given in native time: scaled MS is that time here, native MS the other way. With
 # "start" behind, the time is that of something that starts the unit.
@@ -119,9 +122,10 @@ drive_stop() {
 	drive_pid=''
 }
 
-# close_pin NAME, open_pin NAME: a switch to ground; press NAME [MS]: both.
+# close_pin NAME, open_pin NAME: a switch to ground; press NAME [MS]: both. ignition_on: where there are pins.
 close_pin() { echo pull-down >"$PINS/pin-$1"; }
 open_pin() { echo pull-up >"$PINS/pin-$1"; }
+ignition_on() { [ ! -e "$PINS/pin-ignition" ] || close_pin ignition; }
 press() {
 	close_pin "$1"
 	sleep "$(awk "BEGIN { print ${2:-80} / 1000 }")"
