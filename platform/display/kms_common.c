@@ -62,7 +62,7 @@ void kms_wait(struct kms *kms)
 {
 	while (kms->pending.fb) {
 		int64_t left = kms->flip_asked_ns + FLIP_MAX_NS - clock_now_ns();
-		if (left > 0 && take_events(kms, (int)(left / NS_PER_MS) + 1))
+		if (take_events(kms, left > 0 ? (int)(left / NS_PER_MS) + 1 : 0)) /* it may be there since long */
 			continue;
 		if (left > 0 && clock_now_ns() < kms->flip_asked_ns + FLIP_MAX_NS)
 			continue; /* a signal */

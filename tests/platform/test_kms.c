@@ -556,6 +556,27 @@ static void a_failing_flip_is_followed_by_a_modeset(void **state)
 	stop();
 }
 
+static void an_answer_that_came_while_a_picture_took_long_counts(void **state)
+{
+	(void)state;
+	reset_device();
+	if (!start())
+		skip();
+	assert_true(draw());
+	assert_true(draw());
+	blank();
+	kms.flip_asked_ns -= 3 * NS_PER_S;
+	kms_wait(&kms);
+	assert_true(draw());
+	assert_int_equal(kms.counts.modesets, 1);
+	assert_int_equal(device.flips, 2);
+	kms.flip_asked_ns -= 3 * NS_PER_S; /* and none comes */
+	kms_wait(&kms);
+	assert_true(draw());
+	assert_int_equal(kms.counts.modesets, 2);
+	stop();
+}
+
 static void a_plane_that_can_turns_the_picture_else_whoever_draws(void **state)
 {
 	(void)state;
@@ -638,6 +659,7 @@ int main(void)
 		cmocka_unit_test(another_size_of_panel_gets_buffers_of_its_size),
 		cmocka_unit_test(a_screen_taken_away_comes_back_with_a_modeset),
 		cmocka_unit_test(a_failing_flip_is_followed_by_a_modeset),
+		cmocka_unit_test(an_answer_that_came_while_a_picture_took_long_counts),
 		cmocka_unit_test(a_plane_that_can_turns_the_picture_else_whoever_draws),
 		cmocka_unit_test(modes_are_read_and_ordered),
 		cmocka_unit_test(a_copied_picture_is_turned_clockwise),
