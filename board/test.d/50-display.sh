@@ -18,7 +18,7 @@ comes_and_goes() {
 	panel detect
 	$2
 	check "plugged in, $1: a new modeset within 4 s" within 4 counts_at_least modesets $((before + 1))
-	note "plugged in, $1, to modeset, native ms" "$took_ms"
+	note "plugged in, $1, to modeset known, with the asking, native ms" "$took_ms"
 	before=$(stat_of .display.flips)
 	check "plugged in, $1: pictures flip again" within 2 counts_at_least flips $((before + 3))
 }
