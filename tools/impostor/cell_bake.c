@@ -147,7 +147,7 @@ static int store_set(struct cell_baker *baker, const struct triangle_set *set, b
 		return 0;
 	baker->raw.count = 0;
 	triangle_set_encode(set, baker->pkg, &baker->raw);
-	return blob_append(out, &baker->raw, blob);
+	return blob_append(out, &baker->raw, BLOB_SMALL, blob);
 }
 
 /* --- what is in front --- */
@@ -320,12 +320,12 @@ static int store_impostor(
 	memcpy(cell->origin_mm, impostor->origin_mm, sizeof(cell->origin_mm));
 	baker->raw.count = 0;
 	impostor_encode(impostor, &baker->raw);
-	int err = blob_append(bytes, &baker->raw, &cell->impostor);
+	int err = blob_append(bytes, &baker->raw, BLOB_SMALL, &cell->impostor);
 	if (err || !impostor->truth || !impostor->page_count)
 		return err;
 	baker->raw.count = 0;
 	impostor_encode_truth(impostor, &baker->raw);
-	return blob_append(bytes, &baker->raw, &cell->truth);
+	return blob_append(bytes, &baker->raw, BLOB_QUICK, &cell->truth);
 }
 
 static void keep_geometry(struct pkg_cell *cell, enum pkg_cell_reason reason)
