@@ -63,6 +63,22 @@ int pkg_check_textures(struct pkg *pkg, const void *at, uint64_t bytes, struct p
 	return 0;
 }
 
+/* Bytes of a light map's texels; 0 when a field is out of range. */
+static uint64_t light_map_bytes(const struct pkg_light_map *map)
+{
+	if (!map->width || !map->height || map->width > PKG_LIGHT_SIDE_MAX || map->height > PKG_LIGHT_SIDE_MAX ||
+		!map->texel_mm)
+		return 0;
+	switch (map->format) {
+	case PKG_LIGHT_RG8:
+		return (uint64_t)map->width * map->height * 2;
+	case PKG_LIGHT_EAC_RG11:
+		return (uint64_t)((map->width + 3) / 4) * ((map->height + 3) / 4) * 16;
+	default:
+		return 0;
+	}
+}
+
 int pkg_check_light_map(struct pkg *pkg, const void *at, uint64_t bytes, struct pkg_fault *fault)
 {
 	if (!at)
@@ -71,8 +87,8 @@ int pkg_check_light_map(struct pkg *pkg, const void *at, uint64_t bytes, struct 
 	uint64_t offset = pkg_offset_of(pkg, at);
 	if (bytes < sizeof(*map))
 		return pkg_fail(fault, offset, "section LMAP: cut short");
-	if (!map->width || !map->height || map->width > TEXTURE_SIDE_MAX || map->height > TEXTURE_SIDE_MAX ||
-		!map->texel_mm || bytes - sizeof(*map) != (uint64_t)map->width * map->height * 2)
+	uint64_t wanted = light_map_bytes(map);
+	if (!wanted || bytes - sizeof(*map) != wanted)
 		return pkg_fail(fault, offset, "section LMAP: %u x %u texels do not match its size", map->width, map->height);
 	pkg->light_map = map;
 	pkg->light_map_bytes = (const uint8_t *)(map + 1);

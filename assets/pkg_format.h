@@ -223,14 +223,20 @@ struct pkg_texture_array {
 };
 static_assert(sizeof(struct pkg_texture_array) == 32, "on-disk layout");
 
-/* LMAP: light map of the ground, element_bytes 1: struct pkg_light_map, then width * height RG8, row by row from the
- * south. R: ambient occlusion, 255 open sky. G: street light at night, 0 dark. */
+/* LMAP: light map of the ground, element_bytes 1: struct pkg_light_map, then its texels from the south-west, row by
+ * row, or their blocks. R: ambient occlusion, 1 open sky. G: street light at night, 0 dark. */
 #define PKG_LMAP PKG_TAG('L', 'M', 'A', 'P')
+enum pkg_light_format {
+	PKG_LIGHT_RG8 = 0,
+	PKG_LIGHT_EAC_RG11 = 1, /* GL_COMPRESSED_RG11_EAC */
+};
+#define PKG_LIGHT_SIDE_MAX 16384u
 struct pkg_light_map {
 	int32_t origin_mm[2]; /* south-west corner of the first texel */
 	uint32_t texel_mm;
-	uint32_t width, height;
-	uint32_t reserved[3];
+	uint32_t width, height; /* <= PKG_LIGHT_SIDE_MAX */
+	uint32_t format;        /* enum pkg_light_format */
+	uint32_t reserved[2];
 };
 static_assert(sizeof(struct pkg_light_map) == 32, "on-disk layout");
 

@@ -329,6 +329,7 @@ static void load(struct renderer *renderer, const struct nav_view *nav, int64_t 
 	bool all = jumped && !mesh->residency.whole, first = !renderer->primed;
 	if (!first || all)
 		near_mesh_load(mesh, eye_mm, reach_m, all ? UINT64_MAX : renderer->config.upload_slice_bytes);
+	mesh->light_far = mesh->light_far || (mesh->lit && repr->ops->reach_m); /* impostors are lit by it */
 	near_mesh_load_seen(mesh, &renderer->view, fmax(reach_m * 2.0, SEEN_MIN_M));
 	if (!first)
 		near_mesh_load_textures(mesh);

@@ -15,7 +15,7 @@ uint64_t gfx_format_bytes(enum gfx_format format, uint32_t width, uint32_t heigh
 	static const uint8_t texel_bytes[GFX_FORMAT_COUNT] = {
 		[GFX_RGBA8] = 4, [GFX_SRGBA8] = 4, [GFX_R8] = 1, [GFX_RG8] = 2, [GFX_RGBA32UI] = 16
 	};
-	if (format == GFX_ETC2_RGBA8 || format == GFX_ETC2_SRGBA8)
+	if (format == GFX_ETC2_RGBA8 || format == GFX_ETC2_SRGBA8 || format == GFX_EAC_RG11)
 		return (uint64_t)((width + 3) / 4) * ((height + 3) / 4) * 16 * layers;
 	return (uint64_t)width * height * layers * texel_bytes[format];
 }

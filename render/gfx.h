@@ -60,6 +60,7 @@ enum gfx_format {
 	GFX_RG8,
 	GFX_ETC2_RGBA8,
 	GFX_ETC2_SRGBA8,
+	GFX_EAC_RG11,
 	GFX_RGBA32UI, /* whole numbers; nearest filter only */
 	GFX_FORMAT_COUNT,
 };
@@ -82,7 +83,7 @@ struct gfx_region {
 	uint32_t level;
 	uint32_t x, y, layer;
 	uint32_t width, height, layers; /* layers: 1 for plain textures */
-	uint32_t row_texels;            /* from row to row in memory; 0: tight. Not for ETC2 */
+	uint32_t row_texels;            /* from row to row in memory; 0: tight. Not for blocks */
 };
 
 /* A second, whole-numbered output of a target, `layout(location = 1) out`: every shader drawn into it must write it.
@@ -232,7 +233,7 @@ void gfx_pipeline_destroy(struct gfx *gfx, gfx_pipeline pipeline);
 
 /* Never grows an object: a write that does not fit is a programmer's mistake and asserts. */
 void gfx_buffer_write(struct gfx *gfx, gfx_buffer buffer, uint32_t offset, const void *data, uint32_t bytes);
-/* Texels (ETC2: blocks) of the region, tightly packed but for row_texels, rows from v = 0 up. */
+/* Texels (ETC2, EAC: blocks) of the region, tightly packed but for row_texels, rows from v = 0 up. */
 void gfx_texture_write(struct gfx *gfx, gfx_texture texture, const struct gfx_region *region, const void *texels);
 
 /* The resolved colour of a target as a texture; owned by the target. */

@@ -142,7 +142,9 @@ int near_mesh_init(struct near_mesh *mesh, struct arena *arena, struct gfx *gfx,
 	*mesh = (struct near_mesh){ .gfx = gfx, .pkg = pkg, .close_m = reach_m > CLOSE_M ? reach_m : CLOSE_M };
 	int err = make_pipelines(mesh);
 	if (!err)
-		err = surfaces_make(gfx, pkg, &mesh->materials, &mesh->textures, &mesh->light_map);
+		err = surfaces_make(gfx, pkg, &mesh->materials, &mesh->textures);
+	if (!err)
+		err = light_tiles_make(gfx, pkg, &mesh->light, &mesh->light_map);
 	if (!err)
 		err = make_runs(mesh, arena);
 	if (err)
@@ -237,7 +239,7 @@ static void find_runs(struct near_mesh *mesh, uint32_t id)
 	}
 }
 
-void near_mesh_need(struct near_mesh *mesh, const struct pkg_mesh_vertex *vertices, uint32_t count)
+static void need_layers(struct near_mesh *mesh, const struct pkg_mesh_vertex *vertices, uint32_t count)
 {
 	uint32_t wanted[256 / 32] = { 0 };
 	for (uint32_t i = 0; i < count; i++)
@@ -245,10 +247,17 @@ void near_mesh_need(struct near_mesh *mesh, const struct pkg_mesh_vertex *vertic
 	surfaces_load(mesh->gfx, mesh->pkg, mesh->textures, &mesh->layers, wanted);
 }
 
+void near_mesh_need(struct near_mesh *mesh, const struct pkg_mesh_vertex *vertices, uint32_t count)
+{
+	need_layers(mesh, vertices, count);
+	mesh->light_far = true;
+}
+
 void near_mesh_load_textures(struct near_mesh *mesh)
 {
-	mesh->layers_complete =
-		mesh->layers_complete || !surfaces_load_next(mesh->gfx, mesh->pkg, mesh->textures, &mesh->layers);
+	mesh->textures_complete =
+		mesh->textures_complete || (!surfaces_load_next(mesh->gfx, mesh->pkg, mesh->textures, &mesh->layers) &&
+									   !light_tiles_load_next(mesh->gfx, mesh->pkg, mesh->light_map, &mesh->light));
 }
 
 static void upload(void *context, uint32_t id, const struct residency_chunk *place)
@@ -281,12 +290,27 @@ static void load_seen(struct near_mesh *mesh, uint32_t id, bool seen, bool close
 	if (!seen || mesh->textured[id] || !near_mesh_has(mesh, id))
 		return;
 	mesh->textured[id] = 1;
-	near_mesh_need(mesh, pkg_chunk_vertices(mesh->pkg, chunk), chunk->vertex_count);
+	need_layers(mesh, pkg_chunk_vertices(mesh->pkg, chunk), chunk->vertex_count);
+	light_tiles_load_box(mesh->gfx, mesh->pkg, mesh->light_map, &mesh->light, chunk->min_mm, chunk->max_mm);
+}
+
+/* What chunks do not tell of lies somewhere between the lowest and the highest of the city. */
+static void load_light_seen(struct near_mesh *mesh, const struct view *view)
+{
+	const struct pkg_meta *meta = mesh->pkg->meta;
+	for (uint32_t tile = 0; tile < mesh->light.columns * mesh->light.rows; tile++) {
+		int32_t min_mm[3] = { 0, 0, meta->min_mm[2] }, max_mm[3] = { 0, 0, meta->max_mm[2] };
+		struct vec3 min, max;
+		light_tiles_bounds(&mesh->light, mesh->pkg, tile, min_mm, max_mm);
+		view_box(view, min_mm, max_mm, &min, &max);
+		if (view_sees_box(view, min, max))
+			light_tiles_load(mesh->gfx, mesh->pkg, mesh->light_map, &mesh->light, tile);
+	}
 }
 
 void near_mesh_load_seen(struct near_mesh *mesh, const struct view *view, double far_m)
 {
-	if (mesh->layers_complete && (!mesh->residency.whole || residency_complete(&mesh->residency)))
+	if (mesh->textures_complete && (!mesh->residency.whole || residency_complete(&mesh->residency)))
 		return;
 	for (uint32_t i = 0; i < mesh->pkg->chunk_count; i++) {
 		struct vec3 min, max;
@@ -296,6 +320,8 @@ void near_mesh_load_seen(struct near_mesh *mesh, const struct view *view, double
 		double away_m = view_box_distance_m(min, max);
 		load_seen(mesh, i, away_m <= far_m && view_sees_box(view, min, max), away_m <= mesh->close_m);
 	}
+	if (mesh->light_far)
+		load_light_seen(mesh, view);
 }
 
 static void emit_piece(struct draw_list *list, struct draw_item *item, uint32_t first, uint32_t end, float depth_m)

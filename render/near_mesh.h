@@ -10,6 +10,7 @@
 #include "render/draw_list.h"
 #include "render/fade.h"
 #include "render/gfx.h"
+#include "render/light_tiles.h"
 #include "render/surfaces.h"
 #include "render/view.h"
 
@@ -43,8 +44,10 @@ struct near_mesh {
 	gfx_buffer materials;
 	gfx_texture textures, light_map;
 	struct surface_layers layers;
-	uint8_t *textured; /* of a chunk: the layers that it needs are there */
-	bool layers_complete;
+	struct light_tiles light;
+	uint8_t *textured;      /* of a chunk: the layers and the light that it needs are there */
+	bool light_far;         /* more than chunks is lit by the light map, wherever the view sees: stays so */
+	bool textures_complete; /* all layers and all light are there */
 	gfx_program programs[LOOK_COUNT][MESH_STYLES];                   /* [look][enum mesh_style] */
 	gfx_pipeline pipelines[LOOK_COUNT][PKG_PASS_COUNT][MESH_STYLES]; /* [look][pass][enum mesh_style] */
 	bool lit;                                                        /* lamps or windows shine: the frame sets it */
@@ -62,12 +65,12 @@ void near_mesh_finish(struct near_mesh *mesh);
 /* Loads what is within `far_m` of the eye, nearest first, as far as the slice goes; when the whole city has room, what
  * nobody has seen yet, wherever it is. */
 void near_mesh_load(struct near_mesh *mesh, const int64_t eye_mm[3], double far_m, uint64_t slice_bytes);
-/* Whoever draws vertices of his own with these textures says so before. */
+/* Whoever draws vertices of his own with these textures and this light says so before. */
 void near_mesh_need(struct near_mesh *mesh, const struct pkg_mesh_vertex *vertices, uint32_t count);
 /* After the first picture, once a frame: a piece of the textures that nothing has needed yet. */
 void near_mesh_load_textures(struct near_mesh *mesh);
 /* When the whole city has room: loads at once what the view sees up to `far_m`, and what is close on all sides. In any
- * case the textures of what it sees. */
+ * case the textures and the light of what it sees. */
 void near_mesh_load_seen(struct near_mesh *mesh, const struct view *view, double far_m);
 
 /* A resident chunk, all passes, in one slice; what fades is cut out of its runs and drawn apart. `fade` may be NULL.

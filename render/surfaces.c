@@ -1,7 +1,6 @@
-/* Uploads of a package's materials, texture array and light map. */
+/* Uploads of a package's materials and texture array; where the light map lies. */
 #include "render/surfaces.h"
 
-#include "platform/base/log.h"
 #include "render/frame_block.h"
 
 static int make_materials(struct gfx *gfx, const struct pkg *pkg, gfx_buffer *out)
@@ -24,17 +23,14 @@ static const enum gfx_format texture_formats[] = { [PKG_TEXTURE_RGBA8] = GFX_RGB
 static const uint8_t white[4] = { 255, 255, 255, 0 };
 
 /* Stands in for what the package does not have. */
-static int make_plain_texture(struct gfx *gfx, enum gfx_format format, uint32_t layers, gfx_texture *out)
+static int make_white(struct gfx *gfx, gfx_texture *out)
 {
-	struct gfx_texture_desc desc = {
-		.format = format, .width = 1, .height = 1, .layers = layers, .filter = GFX_NEAREST
-	};
+	struct gfx_texture_desc desc = { .format = GFX_RGBA8, .width = 1, .height = 1, .layers = 1, .filter = GFX_NEAREST };
 	int err = gfx_texture_create(gfx, &desc, out);
 	if (err)
 		return err;
-	const uint8_t lit[4] = { 255, 0 };
 	struct gfx_region region = { .width = 1, .height = 1, .layers = 1 };
-	gfx_texture_write(gfx, *out, &region, format == GFX_RG8 ? lit : white);
+	gfx_texture_write(gfx, *out, &region, white);
 	return 0;
 }
 
@@ -42,7 +38,7 @@ static int make_textures(struct gfx *gfx, const struct pkg *pkg, gfx_texture *ou
 {
 	const struct pkg_texture_array *array = pkg->textures;
 	if (!array)
-		return make_plain_texture(gfx, GFX_RGBA8, 1, out);
+		return make_white(gfx, out);
 	/* decoded to linear light by the shader: filtering costs less so */
 	struct gfx_texture_desc desc = { .format = texture_formats[array->format],
 		.width = array->width,
@@ -97,35 +93,11 @@ bool surfaces_load_next(struct gfx *gfx, const struct pkg *pkg, gfx_texture text
 	return layers->next < count;
 }
 
-static int make_light_map(struct gfx *gfx, const struct pkg *pkg, gfx_texture *out)
-{
-	const struct pkg_light_map *map = pkg->light_map;
-	uint32_t limit = gfx_caps(gfx)->max_texture_px;
-	if (map && (map->width > limit || map->height > limit)) {
-		log_warn("light map of %u x %u is larger than this GPU's %u: left out", map->width, map->height, limit);
-		map = NULL;
-	}
-	if (!map)
-		return make_plain_texture(gfx, GFX_RG8, 0, out);
-	struct gfx_texture_desc desc = {
-		.format = GFX_RG8, .width = map->width, .height = map->height, .filter = GFX_LINEAR
-	};
-	int err = gfx_texture_create(gfx, &desc, out);
-	if (err)
-		return err;
-	struct gfx_region region = { .width = map->width, .height = map->height, .layers = 1 };
-	gfx_texture_write(gfx, *out, &region, pkg->light_map_bytes);
-	return 0;
-}
-
-int surfaces_make(
-	struct gfx *gfx, const struct pkg *pkg, gfx_buffer *materials, gfx_texture *textures, gfx_texture *light_map)
+int surfaces_make(struct gfx *gfx, const struct pkg *pkg, gfx_buffer *materials, gfx_texture *textures)
 {
 	int err = make_materials(gfx, pkg, materials);
 	if (!err)
 		err = make_textures(gfx, pkg, textures);
-	if (!err)
-		err = make_light_map(gfx, pkg, light_map);
 	return err;
 }
 

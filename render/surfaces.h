@@ -1,4 +1,4 @@
-/* What the city's surfaces are made of, on the GPU: materials, textures and the light map of a package. */
+/* What the city's surfaces are made of, on the GPU: materials and textures of a package. */
 #ifndef BLVD_RENDER_SURFACES_H
 #define BLVD_RENDER_SURFACES_H
 
@@ -8,8 +8,7 @@
 /* Where the package lacks one, something plain stands in. The textures hold
  * nothing yet: a software GPU takes a tenth of a second for all layers of a city, and a street has a few. Returns 0 or
  * -ENOMEM; what was made until then is the caller's to destroy, as is all of it after success. */
-int surfaces_make(
-	struct gfx *gfx, const struct pkg *pkg, gfx_buffer *materials, gfx_texture *textures, gfx_texture *light_map);
+int surfaces_make(struct gfx *gfx, const struct pkg *pkg, gfx_buffer *materials, gfx_texture *textures);
 
 #define SURFACE_LAYERS_MAX 2048
 /* Which layers of the textures hold their texels already. Zeroed: none. */

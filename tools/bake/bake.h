@@ -50,7 +50,8 @@ void blocks_assign(struct city *city, const struct pkg_graph *graph);
 /* tools/bake/light_map.c: ambient occlusion from the buildings' heights, street light from the lamps. */
 struct light_map {
 	struct pkg_light_map header;
-	uint8_t *texels; /* RG8; owned */
+	uint8_t *texels; /* as the header's format says; owned */
+	size_t bytes;
 };
 struct lamp {
 	struct dvec3 at; /* of the light, city frame */
@@ -58,6 +59,8 @@ struct lamp {
 };
 typedef ARRAY(struct lamp) lamp_array;
 void light_map_bake(const struct city *city, const lamp_array *lamps, struct light_map *out);
+/* Puts plain texels into blocks. */
+void light_map_pack(struct light_map *map);
 void light_map_finish(struct light_map *map);
 
 /* tools/bake/ground_*.c: everything on the ground (streets, kerbs, markings, areas, water, bridges, tunnels,

@@ -412,6 +412,8 @@ static int run_steps(struct bake *bake)
 	bake_geometry(bake);
 	started = step_begin(bake, "light");
 	light_map_bake(&bake->city, &bake->lamps, &bake->light_map);
+	if (options->textures == PKG_TEXTURE_ETC2_RGBA)
+		light_map_pack(&bake->light_map);
 	step_end(bake, STEP_LIGHT, started);
 	started = step_begin(bake, "occluders");
 	occluders_build(&bake->city, &bake->occluders);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "tools/bake/bake.h"
+#include "tools/bake/eac.h"
 
 #define TEXEL_M 2.0
 #define SIDE_MAX 4096
@@ -201,7 +202,8 @@ void light_map_bake(const struct city *city, const lamp_array *lamps, struct lig
 		.texel_mm = (uint32_t)llround(map.texel_m * 1000.0),
 		.width = (uint32_t)map.width,
 		.height = (uint32_t)map.height };
-	out->texels = array_grow(NULL, &(size_t){ 0 }, 2 * texels, 1);
+	out->bytes = 2 * texels;
+	out->texels = array_grow(NULL, &(size_t){ 0 }, out->bytes, 1);
 	for (int32_t row = 0; row < map.height; row++)
 		for (int32_t col = 0; col < map.width; col++) {
 			size_t at = (size_t)row * (size_t)map.width + (size_t)col;
@@ -209,6 +211,44 @@ void light_map_bake(const struct city *city, const lamp_array *lamps, struct lig
 			out->texels[2 * at + 1] = (uint8_t)lrint(255.0 * (1.0 - exp(-(double)light[at])));
 		}
 	pool_finish(&pool);
+}
+
+/* ---- blocks ---- */
+
+struct pack_work {
+	const struct light_map *map;
+	uint8_t *blocks;
+	uint32_t first, end; /* rows of blocks */
+};
+
+static void *pack_rows(void *context)
+{
+	const struct pack_work *work = context;
+	const struct pkg_light_map *header = &work->map->header;
+	eac_rg_encode(
+		work->blocks, (const uint8_t(*)[2])work->map->texels, header->width, header->height, work->first, work->end);
+	return NULL;
+}
+
+void light_map_pack(struct light_map *map)
+{
+	if (!map->texels || map->header.format != PKG_LIGHT_RG8)
+		return;
+	size_t bytes = eac_rg_bytes(map->header.width, map->header.height);
+	uint8_t *blocks = array_grow(NULL, &(size_t){ 0 }, bytes, 1);
+	uint32_t rows = (map->header.height + 3) / 4;
+	struct pack_work halves[2] = { { map, blocks, 0, rows / 2 }, { map, blocks, rows / 2, rows } };
+	pthread_t thread;
+	bool threaded = pthread_create(&thread, NULL, pack_rows, &halves[0]) == 0;
+	if (!threaded)
+		pack_rows(&halves[0]);
+	pack_rows(&halves[1]);
+	if (threaded)
+		pthread_join(thread, NULL);
+	array_free(map->texels);
+	map->texels = blocks;
+	map->bytes = bytes;
+	map->header.format = PKG_LIGHT_EAC_RG11;
 }
 
 void light_map_finish(struct light_map *map)

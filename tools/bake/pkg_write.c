@@ -133,7 +133,7 @@ static void gather(struct writer *writer, const struct pkg_content *content)
 	}
 	if (content->light_map && content->light_map->texels) {
 		const struct pkg_light_map *map = &content->light_map->header;
-		add_blob(writer, PKG_LMAP, map, sizeof(*map), content->light_map->texels, (size_t)map->width * map->height * 2);
+		add_blob(writer, PKG_LMAP, map, sizeof(*map), content->light_map->texels, content->light_map->bytes);
 	}
 	if (content->mesh)
 		add_mesh(writer, content->mesh);

@@ -11,6 +11,7 @@
 
 #include "platform/base/log.h"
 #include "platform/display/display.h"
+#include "render/light_tiles.h"
 #include "render/surfaces.h"
 #include "tools/impostor/capture_batch.h"
 #include "tools/impostor/capture_pixels.h"
@@ -101,10 +102,14 @@ static int make_objects(struct capturer *capturer)
 	arena_init(&capturer->arena, "capture", capturer->arena_memory, ARENA_BYTES);
 	int err = gfx_init(&capturer->gfx, &capturer->arena, &gfx_gles3, &config);
 	if (!err)
-		err = surfaces_make(
-			capturer->gfx, capturer->pkg, &capturer->materials, &capturer->textures, &capturer->light_map);
+		err = surfaces_make(capturer->gfx, capturer->pkg, &capturer->materials, &capturer->textures);
 	struct surface_layers layers = { 0 };
+	struct light_tiles light = { 0 };
+	if (!err)
+		err = light_tiles_make(capturer->gfx, capturer->pkg, &light, &capturer->light_map);
 	while (!err && surfaces_load_next(capturer->gfx, capturer->pkg, capturer->textures, &layers))
+		;
+	while (!err && light_tiles_load_next(capturer->gfx, capturer->pkg, capturer->light_map, &light))
 		;
 	if (!err)
 		err = make_programs(capturer);

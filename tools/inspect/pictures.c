@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tools/bake/eac.h"
 #include "tools/bake/etc2.h"
 #include "tools/city/pool.h"
 #include "tools/measure/image.h"
@@ -92,12 +93,19 @@ static int draw_light(const struct pkg *pkg, const char *folder)
 	if (!map)
 		return 0;
 	struct image image = image_new(map->width, map->height, 0);
+	const uint8_t *texels = pkg->light_map_bytes;
+	uint8_t *decoded = NULL;
+	if (map->format == PKG_LIGHT_EAC_RG11) {
+		texels = decoded = array_grow(NULL, &(size_t){ 0 }, (size_t)map->width * map->height, 2);
+		eac_rg_decode((uint8_t(*)[2])decoded, pkg->light_map_bytes, map->width, map->height);
+	}
 	for (uint32_t y = 0; y < map->height; y++) {
-		const uint8_t *row = pkg->light_map_bytes + (size_t)(map->height - 1 - y) * map->width * 2;
+		const uint8_t *row = texels + (size_t)(map->height - 1 - y) * map->width * 2;
 		for (uint32_t x = 0; x < map->width; x++)
 			memcpy(image.rgb + 3 * ((size_t)y * map->width + x),
 				(const uint8_t[]){ row[2 * x], row[2 * x + 1], row[2 * x] }, 3);
 	}
+	array_free(decoded);
 	return write_picture(&image, folder, "light.png");
 }
 
