@@ -28,7 +28,8 @@
 #define DEFAULT_SLICE_BYTES (UINT64_C(4) << 20)
 #define DEFAULT_FAR_M 6000.0
 #define DEFAULT_FOV_DEG 45.0
-#define OVERLAY_BYTES (UINT64_C(3) << 20) /* for what is drawn on top, and small things */
+#define SMALL_BYTES                                                                                                    \
+	(UINT64_C(256) << 10) /* materials and other uniform blocks that come after the shares are settled */
 #define FIXED_ARENA_BYTES (UINT64_C(3) << 19)
 #define ARENA_BYTES_A_CHUNK 128 /* residency, pools of ranges */
 #define ARENA_BYTES_AN_EDGE 64  /* labels */
@@ -79,6 +80,7 @@ static struct renderer_config with_defaults(const struct renderer_config *given)
 	return config;
 }
 
+/* All but the city, which gets what these leave of the budget. */
 static int make_objects(struct renderer *renderer, struct arena *arena)
 {
 	const struct renderer_config *config = &renderer->config;
@@ -110,6 +112,8 @@ static int make_objects(struct renderer *renderer, struct arena *arena)
 		err = marker_init(&renderer->marker, renderer->gfx);
 	if (!err)
 		err = place_disc_init(&renderer->place_disc, renderer->gfx);
+	if (!err && config->overlay)
+		err = overlay_init(&renderer->overlay, arena, renderer->gfx, renderer->pkg, &config->overlay_config);
 	if (!err && config->truth)
 		err = frame_truth_init(&renderer->truth, renderer->gfx, config->width, config->height);
 	return err;
@@ -134,20 +138,13 @@ static struct camera_pose opening_pose(const struct pkg *pkg)
 	return pose;
 }
 
-/* What the city may take; a budget that is nearly all overlay is refused later, by what lacks room. */
-static uint64_t city_budget(const struct renderer *renderer)
-{
-	uint64_t budget = renderer->config.gpu_budget_bytes;
-	return renderer->config.overlay && budget > 2 * OVERLAY_BYTES ? budget - OVERLAY_BYTES : budget;
-}
-
 /* What is left of the budget for the cells' slots, once the textures and the geometry within reach have theirs. Returns
  * -EFBIG after saying so when the package needs more than that. */
 static int share_budget(
 	const struct renderer *renderer, struct arena *arena, struct resident_need *need, uint64_t *slots_bytes)
 {
 	const struct renderer_config *config = &renderer->config;
-	uint64_t used = gfx_stats(renderer->gfx)->bytes, budget = city_budget(renderer);
+	uint64_t used = gfx_stats(renderer->gfx)->bytes + SMALL_BYTES, budget = config->gpu_budget_bytes;
 	uint64_t left = budget > used ? budget - used : 0;
 	resident_need_whole(renderer->pkg, need);
 	int status = need->sum + SLOTS_ROOM_BYTES <= left ? 0 : resident_need(renderer->pkg, arena, need);
@@ -187,11 +184,8 @@ static int make_scene(struct renderer *renderer, struct arena *arena, const stru
 	};
 	int err = scene_init(&renderer->scene, arena, renderer->gfx, &renderer->mesh, renderer->pkg, far_ops, &repr_config);
 	if (!err)
-		err = near_mesh_init(&renderer->mesh, arena, renderer->gfx, renderer->pkg, city_budget(renderer), need.reach_m);
-	if (err)
-		return err;
-	if (renderer->config.overlay)
-		err = overlay_init(&renderer->overlay, arena, renderer->gfx, renderer->pkg, &renderer->config.overlay_config);
+		err = near_mesh_init(
+			&renderer->mesh, arena, renderer->gfx, renderer->pkg, config->gpu_budget_bytes, need.reach_m);
 	if (err)
 		return err;
 	renderer->obstacles = (struct obstacles){ .pkg = renderer->pkg, .residency = &renderer->mesh.residency };
