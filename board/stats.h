@@ -85,9 +85,9 @@ struct stats {
 	struct display_counts display_counts;
 	uint64_t can_frames_in, can_frames_bad;
 	uint32_t signal_faults[VEHICLE_INPUT_COUNT][VEHICLE_FAULT_COUNT]; /* samples that were not taken, and why */
-	uint64_t can_frames_lost; /* by the kernel, before we read them */
-	uint64_t can_errors;      /* error frames */
-	double can_cpu_ms;        /* of the thread that reads the bus */
+	uint64_t can_frames_lost;                                         /* by the kernel, before we read them */
+	uint64_t can_errors;                                              /* error frames */
+	double can_cpu_ms;                                                /* of the thread that reads the bus */
 	uint64_t record_lines, record_lost;
 	int64_t stale_ns_max;
 	uint64_t reroutes, off_street_frames;

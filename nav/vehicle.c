@@ -77,8 +77,8 @@ static double distance(const struct vehicle_binding *binding, double a, double b
 	return fabs(binding->wraps ? remainder(a - b, binding->turn) : a - b);
 }
 
-/* How much an input may change between two samples. Frames that waited somewhere, in an adapter or in a busy kernel, come
- * at once: their time stamps tell less than the time that passed for the car. */
+/* How much an input may change between two samples. Frames that waited somewhere, in an adapter or in a busy kernel,
+ * come at once: their time stamps tell less than the time that passed for the car. */
 static double largest_change(const struct vehicle_binding *binding, int64_t since_ns)
 {
 	int64_t passed_ns = since_ns > binding->spacing_ns ? since_ns : binding->spacing_ns;

@@ -69,10 +69,10 @@ struct vehicle_binding {
 	double min, max;                 /* plausible, in the input's unit */
 	double max_rate;                 /* largest change a second, input's unit; 0: not looked at */
 	double quantum;                  /* one raw step in the input's unit: always allowed */
-	int64_t spacing_ns;              /* between two samples where they were sent: time stamps of delayed ones are closer */
-	int64_t timeout_ns;              /* older is stale; > 0 */
-	int64_t frozen_ns;               /* 0: may stay the same for ever */
-	bool wraps;                      /* a full turn (in the input's unit: `turn`) is the same */
+	int64_t spacing_ns; /* between two samples where they were sent: time stamps of delayed ones are closer */
+	int64_t timeout_ns; /* older is stale; > 0 */
+	int64_t frozen_ns;  /* 0: may stay the same for ever */
+	bool wraps;         /* a full turn (in the input's unit: `turn`) is the same */
 	double turn;
 	const struct dbc_signal *counter; /* in the same message; NULL none. Counts up by one modulo its length in bits */
 	unsigned counter_skip;            /* lost frames that are no fault */

@@ -9,9 +9,10 @@
 
 #define FACTOR_MIN (1.0 / 16)
 #define HALVINGS 5
-#define UV_STEPS 128       /* of a texel */
-#define DISTANCE_STEP 1.25 /* triangles within this ratio of distance keep their patches' order: indices pack better   \
-							*/
+#define UV_STEPS 128 /* of a texel */
+#define DISTANCE_STEP                                                                                                  \
+	1.25 /* triangles within this ratio of distance keep their patches' order: indices pack better                     \
+		  */
 
 /* A triangle of the package, before sorting. */
 struct placed {
