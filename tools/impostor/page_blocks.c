@@ -80,20 +80,22 @@ static float texel_error(const struct page_coder *coder, unsigned i, const uint8
 	return coder->weight[i] * (float)error;
 }
 
-static float shown_error(const struct page_coder *coder, const struct colour_word *word)
+/* These give up, with more than `limit`, as soon as that is certain. */
+static float shown_error(const struct page_coder *coder, const struct colour_word *word, float limit)
 {
 	float sum = 0;
-	for (unsigned i = 0; i < 16; i++)
+	for (unsigned i = 0; i < 16 && sum <= limit; i++)
 		sum += texel_error(coder, i, word->shown[i]);
 	return sum;
 }
 
 /* The word's colours, with the indices that fit best. */
-static float palette_error(const struct page_coder *coder, const struct colour_word *word, uint64_t *indices)
+static float palette_error(
+	const struct page_coder *coder, const struct colour_word *word, float limit, uint64_t *indices)
 {
 	float sum = 0;
 	*indices = 0;
-	for (unsigned i = 0; i < 16; i++) {
+	for (unsigned i = 0; i < 16 && sum <= limit; i++) {
 		float least = INFINITY;
 		unsigned best = 0;
 		for (unsigned index = 0; index < 4; index++) {
@@ -109,10 +111,10 @@ static float palette_error(const struct page_coder *coder, const struct colour_w
 
 /* The colours of `word` with the indices of `other`. */
 static float index_error(
-	const struct page_coder *coder, const struct colour_word *word, const struct colour_word *other)
+	const struct page_coder *coder, const struct colour_word *word, const struct colour_word *other, float limit)
 {
 	float sum = 0;
-	for (unsigned i = 0; i < 16; i++)
+	for (unsigned i = 0; i < 16 && sum <= limit; i++)
 		sum += texel_error(coder, i, word->palette[other->index[i]][i]);
 	return sum;
 }
@@ -125,19 +127,21 @@ static void consider(struct choice *best, uint64_t bits, float loss)
 
 static uint64_t choose(const struct page_coder *coder, const struct colour_word *own)
 {
-	float error = shown_error(coder, own), worth = WORTH + WORTH_SHARE * error;
+	float error = shown_error(coder, own, INFINITY), worth = WORTH + WORTH_SHARE * error;
 	struct choice best = { own->bits, error + OWN_BYTES * worth };
 	for (unsigned n = 0; n < coder->count && n < RECENT; n++) {
 		const struct colour_word *recent = &coder->recent[n];
-		uint64_t indices;
-		consider(&best, recent->bits, shown_error(coder, recent) + REPEATED_BYTES * worth);
+		float bytes = REPEATED_BYTES * worth;
+		consider(&best, recent->bits, bytes + shown_error(coder, recent, best.loss - bytes));
 		if (!recent->halves)
 			continue;
-		float fitted = palette_error(coder, recent, &indices) + HALF_BYTES * worth;
-		consider(&best, (recent->bits & HIGH_HALF) | indices, fitted);
+		uint64_t indices;
+		bytes = HALF_BYTES * worth;
+		float fitted = palette_error(coder, recent, best.loss - bytes, &indices);
+		consider(&best, (recent->bits & HIGH_HALF) | indices, bytes + fitted);
 		if (own->halves)
 			consider(&best, (own->bits & HIGH_HALF) | (recent->bits & LOW_HALF),
-				index_error(coder, own, recent) + HALF_BYTES * worth);
+				bytes + index_error(coder, own, recent, best.loss - bytes));
 	}
 	return best.bits;
 }
