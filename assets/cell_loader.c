@@ -1,4 +1,4 @@
-/* Loading: read, unpack and check, then expand. About 12 ms for a stretch of 1 MiB. */
+/* Loading: read, unpack and check, then expand. About 20 ms for a stretch of 1 MiB. */
 #include "assets/cell_loader.h"
 
 #include <errno.h>

@@ -12,6 +12,7 @@
 
 #include "platform/base/rng.h"
 #include "platform/display/display.h"
+#include "tests/tools/gl_blocks.h"
 #include "tools/bake/eac.h"
 
 /* The driver keeps what it allocated when it is unloaded. */
@@ -149,45 +150,6 @@ static void pictures_of_any_size_keep_their_texels(void **state)
 
 #define GL_SIDE 64
 
-static const char vertex_source[] = "#version 300 es\n"
-									"void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, "
-									"gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }";
-static const char fragment_source[] = "#version 300 es\n"
-									  "precision highp float; uniform highp sampler2D u_blocks; out vec4 colour;\n"
-									  "void main() { colour = texelFetch(u_blocks, ivec2(gl_FragCoord.xy), 0); }";
-
-static void attach_shader(GLuint program, GLenum kind, const char *source)
-{
-	GLuint shader = glCreateShader(kind);
-	glShaderSource(shader, 1, &source, NULL);
-	glCompileShader(shader);
-	glAttachShader(program, shader);
-}
-
-static void draw_with_gl(const uint8_t *blocks, uint8_t (*out)[4])
-{
-	GLuint textures[2], target, program = glCreateProgram();
-	glGenTextures(2, textures);
-	glBindTexture(GL_TEXTURE_2D, textures[1]);
-	glTexStorage2D(GL_TEXTURE_2D, 1, GL_RGBA8, GL_SIDE, GL_SIDE);
-	glGenFramebuffers(1, &target);
-	glBindFramebuffer(GL_FRAMEBUFFER, target);
-	glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, textures[1], 0);
-	glBindTexture(GL_TEXTURE_2D, textures[0]);
-	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-	glTexStorage2D(GL_TEXTURE_2D, 1, GL_COMPRESSED_RG11_EAC, GL_SIDE, GL_SIDE);
-	glCompressedTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, GL_SIDE, GL_SIDE, GL_COMPRESSED_RG11_EAC,
-		(GLsizei)eac_rg_bytes(GL_SIDE, GL_SIDE), blocks);
-	attach_shader(program, GL_VERTEX_SHADER, vertex_source);
-	attach_shader(program, GL_FRAGMENT_SHADER, fragment_source);
-	glLinkProgram(program);
-	glUseProgram(program);
-	glViewport(0, 0, GL_SIDE, GL_SIDE);
-	glDrawArrays(GL_TRIANGLES, 0, 3);
-	glReadPixels(0, 0, GL_SIDE, GL_SIDE, GL_RGBA, GL_UNSIGNED_BYTE, out);
-	assert_int_equal(glGetError(), GL_NO_ERROR);
-}
-
 /* Any bytes are a block: random ones reach every table and multiplier. */
 static void the_decoder_agrees_with_the_gl_here(void **state)
 {
@@ -201,7 +163,7 @@ static void the_decoder_agrees_with_the_gl_here(void **state)
 	for (size_t i = 0; i < sizeof(blocks); i++)
 		blocks[i] = (uint8_t)rng_u32(&rng);
 	eac_rg_decode(ours, blocks, GL_SIDE, GL_SIDE);
-	draw_with_gl(blocks, theirs);
+	gl_draw_blocks(GL_COMPRESSED_RG11_EAC, blocks, sizeof(blocks), GL_SIDE, theirs);
 	for (int i = 0; i < GL_SIDE * GL_SIDE; i++)
 		for (int c = 0; c < 2; c++)
 			assert_in_range(ours[i][c], theirs[i][c] ? theirs[i][c] - 1 : 0, theirs[i][c] + 1);

@@ -14,6 +14,7 @@
 
 #include "platform/base/rng.h"
 #include "platform/display/display.h"
+#include "tests/tools/gl_blocks.h"
 #include "tools/bake/etc2.h"
 #include "tools/bake/etc2_modes.h"
 #include "tools/bake/materials.h"
@@ -106,8 +107,7 @@ static void every_mode_decodes_to_what_it_claims(void **state)
 				texels[i][c] = (uint8_t)etc2_clamp(ends[i % 4 / 2][c] + (int)(rng_u32(&rng) % noise));
 		struct etc2_choice choice = { .error = UINT32_MAX };
 		modes[round % 3]((const uint8_t(*)[4])texels, &choice);
-		for (int i = 0; i < 8; i++)
-			block[8 + i] = (uint8_t)(choice.bits >> (56 - 8 * i));
+		etc2_put_word(block + 8, choice.bits);
 		etc2_decode_block(decoded, block);
 		assert_int_equal(colour_error((const uint8_t(*)[4])texels, (const uint8_t(*)[4])decoded, 16), choice.error);
 	}
@@ -243,45 +243,6 @@ static void painted_layers_survive(void **state)
 
 #define GL_SIDE 64
 
-static const char vertex_source[] = "#version 300 es\n"
-									"void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, "
-									"gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }";
-static const char fragment_source[] = "#version 300 es\n"
-									  "precision highp float; uniform sampler2D u_blocks; out vec4 colour;\n"
-									  "void main() { colour = texelFetch(u_blocks, ivec2(gl_FragCoord.xy), 0); }";
-
-static void attach_shader(GLuint program, GLenum kind, const char *source)
-{
-	GLuint shader = glCreateShader(kind);
-	glShaderSource(shader, 1, &source, NULL);
-	glCompileShader(shader);
-	glAttachShader(program, shader);
-}
-
-static void draw_with_gl(const uint8_t *blocks, uint8_t (*out)[4])
-{
-	GLuint textures[2], target, program = glCreateProgram();
-	glGenTextures(2, textures);
-	glBindTexture(GL_TEXTURE_2D, textures[1]);
-	glTexStorage2D(GL_TEXTURE_2D, 1, GL_RGBA8, GL_SIDE, GL_SIDE);
-	glGenFramebuffers(1, &target);
-	glBindFramebuffer(GL_FRAMEBUFFER, target);
-	glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, textures[1], 0);
-	glBindTexture(GL_TEXTURE_2D, textures[0]);
-	glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-	glTexStorage2D(GL_TEXTURE_2D, 1, GL_COMPRESSED_RGBA8_ETC2_EAC, GL_SIDE, GL_SIDE);
-	glCompressedTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, GL_SIDE, GL_SIDE, GL_COMPRESSED_RGBA8_ETC2_EAC,
-		(GLsizei)etc2_bytes(GL_SIDE, GL_SIDE), blocks);
-	attach_shader(program, GL_VERTEX_SHADER, vertex_source);
-	attach_shader(program, GL_FRAGMENT_SHADER, fragment_source);
-	glLinkProgram(program);
-	glUseProgram(program);
-	glViewport(0, 0, GL_SIDE, GL_SIDE);
-	glDrawArrays(GL_TRIANGLES, 0, 3);
-	glReadPixels(0, 0, GL_SIDE, GL_SIDE, GL_RGBA, GL_UNSIGNED_BYTE, out);
-	assert_int_equal(glGetError(), GL_NO_ERROR);
-}
-
 /* Any bytes are a block: random ones reach every mode. */
 static void the_decoder_agrees_with_the_gl_here(void **state)
 {
@@ -295,7 +256,7 @@ static void the_decoder_agrees_with_the_gl_here(void **state)
 	for (size_t i = 0; i < sizeof(blocks); i++)
 		blocks[i] = (uint8_t)rng_u32(&rng);
 	etc2_decode(ours, blocks, GL_SIDE, GL_SIDE);
-	draw_with_gl(blocks, theirs);
+	gl_draw_blocks(GL_COMPRESSED_RGBA8_ETC2_EAC, blocks, sizeof(blocks), GL_SIDE, theirs);
 	for (int i = 0; i < GL_SIDE * GL_SIDE; i++)
 		for (int c = 0; c < 4; c++)
 			assert_in_range(ours[i][c], theirs[i][c] ? theirs[i][c] - 1 : 0, theirs[i][c] + 1);

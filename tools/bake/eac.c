@@ -35,8 +35,7 @@ static void put_block(uint8_t out[8], const struct choice *made)
 	uint64_t bits = (uint64_t)made->base << 56 | (uint64_t)made->multiplier << 52 | (uint64_t)made->table << 48;
 	for (unsigned i = 0; i < 16; i++)
 		bits |= (uint64_t)(made->nearest[i] & 7) << (45 - 3 * etc2_place(i));
-	for (int i = 0; i < 8; i++)
-		out[i] = (uint8_t)(bits >> (56 - 8 * i));
+	etc2_put_word(out, bits);
 }
 
 /* All texels at once, index by index: this is where the time goes, and so it is eight lanes wide. */
@@ -101,9 +100,7 @@ void eac_encode_block(uint8_t block[8], const uint8_t texels[16])
 
 void eac_decode_block(uint16_t texels[16], const uint8_t block[8])
 {
-	uint64_t bits = 0;
-	for (int i = 0; i < 8; i++)
-		bits = bits << 8 | block[i];
+	uint64_t bits = etc2_get_word(block);
 	int base = (int)(bits >> 56), multiplier = (int)(bits >> 52 & 15);
 	for (unsigned i = 0; i < 16; i++) {
 		unsigned index = (unsigned)(bits >> (45 - 3 * etc2_place(i)) & 7);

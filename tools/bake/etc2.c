@@ -48,16 +48,10 @@ static uint64_t colour_block(const uint8_t texels[16][4])
 	return best.bits;
 }
 
-static void put_big_endian(uint8_t out[8], uint64_t bits)
-{
-	for (int i = 0; i < 8; i++)
-		out[i] = (uint8_t)(bits >> (56 - 8 * i));
-}
-
 void etc2_encode_block(uint8_t block[ETC2_BLOCK_BYTES], const uint8_t texels[16][4])
 {
-	put_big_endian(block, etc2_alpha_block(texels));
-	put_big_endian(block + 8, colour_block(texels));
+	etc2_put_word(block, etc2_alpha_block(texels));
+	etc2_put_word(block + 8, colour_block(texels));
 }
 
 size_t etc2_bytes(uint32_t width, uint32_t height)

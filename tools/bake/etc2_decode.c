@@ -120,16 +120,8 @@ static void decode_alpha(uint8_t texels[16][4], uint64_t bits)
 	}
 }
 
-static uint64_t get_big_endian(const uint8_t bytes[8])
-{
-	uint64_t bits = 0;
-	for (int i = 0; i < 8; i++)
-		bits = bits << 8 | bytes[i];
-	return bits;
-}
-
 void etc2_decode_block(uint8_t texels[16][4], const uint8_t block[ETC2_BLOCK_BYTES])
 {
-	decode_alpha(texels, get_big_endian(block));
-	decode_colour(texels, get_big_endian(block + 8));
+	decode_alpha(texels, etc2_get_word(block));
+	decode_colour(texels, etc2_get_word(block + 8));
 }

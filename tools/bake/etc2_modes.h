@@ -37,6 +37,21 @@ static inline uint64_t etc2_index_bits(unsigned i, unsigned index)
 	return (uint64_t)(index >> 1) << (16 + etc2_place(i)) | (uint64_t)(index & 1) << etc2_place(i);
 }
 
+/* The eight bytes of a block, its first one highest. */
+static inline uint64_t etc2_get_word(const uint8_t bytes[8])
+{
+	uint64_t bits = 0;
+	for (int i = 0; i < 8; i++)
+		bits = bits << 8 | bytes[i];
+	return bits;
+}
+
+static inline void etc2_put_word(uint8_t bytes[8], uint64_t bits)
+{
+	for (int i = 0; i < 8; i++)
+		bytes[i] = (uint8_t)(bits >> (56 - 8 * i));
+}
+
 static inline int etc2_clamp(int value)
 {
 	return value < 0 ? 0 : value > 255 ? 255 : value;

@@ -5,7 +5,7 @@
 #include "assets/pkg_format.h"
 #include "tools/impostor/triangle_set.h"
 
-/* What stays in a city is packed as small as it gets, at 3 MB/s; what is for measuring only, five times as fast. */
+/* What stays in a city is packed as small as it gets, at 5 MB/s; what is for measuring only, five times as fast. */
 enum blob_effort { BLOB_SMALL, BLOB_QUICK };
 
 /* Appends the packed bytes of `raw`, aligned, and says where they are. The same bytes in, the same bytes out. Returns

@@ -48,8 +48,7 @@ struct choice {
 static void show(uint64_t bits, uint8_t texels[16][4])
 {
 	uint8_t block[ETC2_BLOCK_BYTES] = { 0 };
-	for (int i = 0; i < 8; i++)
-		block[8 + i] = (uint8_t)(bits >> (56 - 8 * i));
+	etc2_put_word(block + 8, bits);
 	etc2_decode_block(texels, block);
 }
 
@@ -157,9 +156,7 @@ static void remember(struct page_coder *coder, const struct colour_word *word)
 static void code_block(struct page_coder *coder, const uint8_t texels[16][4], uint8_t block[ETC2_BLOCK_BYTES])
 {
 	etc2_encode_block(block, texels);
-	uint64_t bits = 0;
-	for (int i = 0; i < 8; i++)
-		bits = bits << 8 | block[8 + i];
+	uint64_t bits = etc2_get_word(block + 8);
 	coder->texels = texels;
 	for (unsigned i = 0; i < 16; i++)
 		coder->weight[i] = texels[i][3] ? 1.0f : HIDDEN_WEIGHT;
@@ -168,8 +165,7 @@ static void code_block(struct page_coder *coder, const uint8_t texels[16][4], ui
 	if (chosen != bits)
 		word = word_of(chosen);
 	remember(coder, &word);
-	for (int i = 0; i < 8; i++)
-		block[8 + i] = (uint8_t)(chosen >> (56 - 8 * i));
+	etc2_put_word(block + 8, chosen);
 }
 
 void page_blocks(const uint8_t *page, uint8_t blocks[PKG_PAGE_BYTES])
