@@ -5,10 +5,20 @@
 #include <assert.h>
 #include <errno.h>
 
+/* n ranges leave at most n + 1 holes */
+static uint32_t nodes_for(uint32_t ranges_max)
+{
+	return ranges_max + 2;
+}
+
+uint64_t range_pool_bytes(uint32_t ranges_max)
+{
+	return (uint64_t)nodes_for(ranges_max) * sizeof(struct range_node);
+}
+
 int range_pool_init(struct range_pool *pool, struct arena *arena, uint32_t capacity, uint32_t ranges_max)
 {
-	/* n ranges leave at most n + 1 holes */
-	uint32_t count = ranges_max + 2;
+	uint32_t count = nodes_for(ranges_max);
 	*pool = (struct range_pool){ .node_count = count, .capacity = capacity, .free_units = capacity };
 	pool->nodes = ARENA_ARRAY(arena, struct range_node, count);
 	if (!pool->nodes)

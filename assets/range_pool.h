@@ -23,6 +23,8 @@ struct range_pool {
 	uint32_t capacity, free_units;
 };
 
+/* What range_pool_init() takes from the arena, but for padding. */
+uint64_t range_pool_bytes(uint32_t ranges_max);
 /* `ranges_max`: most ranges that live at once. Returns 0 or -ENOMEM. */
 int range_pool_init(struct range_pool *pool, struct arena *arena, uint32_t capacity, uint32_t ranges_max);
 /* The first unit of a range, or RANGE_NONE when no hole is long enough. A count of 0 gets 0. */

@@ -142,6 +142,12 @@ static void place_all(struct residency *residency)
 	}
 }
 
+uint64_t residency_arena_bytes(const struct pkg *pkg)
+{
+	const uint64_t chunk = sizeof(struct residency_chunk) + 2 * sizeof(uint32_t) + sizeof(uint64_t);
+	return pkg->chunk_count * chunk + 2 * range_pool_bytes(pkg->chunk_count);
+}
+
 int residency_init(struct residency *residency, struct arena *arena, const struct pkg *pkg, uint32_t vertex_capacity,
 	uint32_t index_capacity)
 {

@@ -54,6 +54,8 @@ int residency_bound(const struct pkg *pkg, struct arena *arena, double radius_m,
  * the holes between chunks, and two of the largest; never more than all. Returns 0 or -ENOMEM. */
 int residency_pools(const struct pkg *pkg, struct arena *arena, double radius_m, uint64_t *vertices, uint64_t *indices);
 
+/* What residency_init() takes from the arena, but for padding. */
+uint64_t residency_arena_bytes(const struct pkg *pkg);
 /* Capacities in vertices and indices. Returns 0 or -ENOMEM. */
 int residency_init(struct residency *residency, struct arena *arena, const struct pkg *pkg, uint32_t vertex_capacity,
 	uint32_t index_capacity);

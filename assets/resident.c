@@ -44,25 +44,26 @@ static uint64_t slot_bytes(const struct pkg *pkg)
 		   2 * PKG_IMPOSTOR_VIEWS_MAX * sizeof(struct pkg_impostor_view);
 }
 
+static void add_up(struct resident_need *need)
+{
+	need->geometry = need->vertices * sizeof(struct pkg_mesh_vertex) + need->indices * sizeof(uint16_t);
+	need->sum = need->textures + need->geometry + RESIDENT_SLOTS * need->slot;
+}
+
 void resident_need_whole(const struct pkg *pkg, struct resident_need *out)
 {
-	uint64_t vertices, indices;
 	*out =
 		(struct resident_need){ .textures = texture_bytes(pkg), .slot = slot_bytes(pkg), .reach_m = find_reach_m(pkg) };
-	residency_totals(pkg, &vertices, &indices);
-	out->geometry = vertices * sizeof(struct pkg_mesh_vertex) + indices * sizeof(uint16_t);
-	out->sum = out->textures + out->geometry + RESIDENT_SLOTS * out->slot;
+	residency_totals(pkg, &out->vertices, &out->indices);
+	add_up(out);
 }
 
 int resident_need(const struct pkg *pkg, struct arena *scratch, struct resident_need *out)
 {
-	uint64_t vertices, indices;
 	*out =
 		(struct resident_need){ .textures = texture_bytes(pkg), .slot = slot_bytes(pkg), .reach_m = find_reach_m(pkg) };
-	int status = residency_pools(pkg, scratch, out->reach_m, &vertices, &indices);
-	if (status < 0)
-		return status;
-	out->geometry = vertices * sizeof(struct pkg_mesh_vertex) + indices * sizeof(uint16_t);
-	out->sum = out->textures + out->geometry + RESIDENT_SLOTS * out->slot;
-	return 0;
+	int status = residency_pools(pkg, scratch, out->reach_m, &out->vertices, &out->indices);
+	if (status == 0)
+		add_up(out);
+	return status;
 }

@@ -15,11 +15,12 @@
 #define RESIDENT_SCRATCH_BYTES (2u << 20)
 
 struct resident_need {
-	uint64_t textures; /* TEXA and LMAP */
-	uint64_t geometry; /* pools for the chunks within reach */
-	uint64_t slot;     /* one stretch: local set, impostors, visible set where it is drawn */
-	uint64_t sum;      /* with RESIDENT_SLOTS slots */
-	double reach_m;    /* how far from an eye in a view cell a chunk of the cell's local model may be */
+	uint64_t textures;          /* TEXA and LMAP */
+	uint64_t geometry;          /* pools for the chunks within reach */
+	uint64_t vertices, indices; /* of these pools */
+	uint64_t slot;              /* one stretch: local set, impostors, visible set where it is drawn */
+	uint64_t sum;               /* with RESIDENT_SLOTS slots */
+	double reach_m;             /* how far from an eye in a view cell a chunk of the cell's local model may be */
 };
 
 /* With room for the whole city's geometry: an upper bound that costs nothing to find. */

@@ -28,16 +28,6 @@ void city_begin(struct city *city, const struct city_config *config)
 		worker_give(&city->worker, 0);
 }
 
-/* Once all but the renderer has its memory: what the renderer needs more, and the GPU has the rest. */
-static uint64_t settle_shares(struct city *city, const struct renderer_config *config)
-{
-	struct arena *arena = city->config.arena;
-	uint64_t wanted = arena->used + renderer_arena_bytes(config, &city->pkg);
-	if (wanted < arena->size)
-		arena->size = (size_t)wanted;
-	return city->config.options->budget_bytes - arena->size;
-}
-
 static int choose_view(struct city *city)
 {
 	const char *name = city->config.options->camera_view;
@@ -62,6 +52,7 @@ static int open_renderer(struct city *city)
 		.samples = o->samples > 0 ? (uint32_t)o->samples : 1,
 		.far_name = o->far_name ? o->far_name : "auto",
 		.tau_px = o->tau_px,
+		.budget_bytes = o->budget_bytes,
 		.deterministic = city->config.simulated,
 		.screen = city->config.screen,
 		.overlay = true,
@@ -72,7 +63,6 @@ static int open_renderer(struct city *city)
 			.utc_offset_minutes = (int32_t)city->pkg.meta->utc_offset_minutes,
 		},
 	};
-	config.gpu_budget_bytes = settle_shares(city, &config);
 	int status = renderer_init(&city->renderer, city->config.arena, &config, &city->pkg);
 	if (status == -ENOMEM)
 		log_error("the budget of %llu MiB is too small for %s at %u x %u", (unsigned long long)(o->budget_bytes >> 20),

@@ -53,7 +53,7 @@ struct machine {
 	struct screen screen;
 	struct reverse reverse;
 	struct city city;
-	uint8_t *pixels; /* width * height * 4 */
+	uint8_t *pixels; /* width * height * 4; NULL where a window shows the picture and nothing saves it */
 	struct stats stats;
 	struct notify notify; /* the service manager */
 	bool simulated;       /* the clock follows the frames, not the wall */
@@ -156,8 +156,10 @@ static int open_screen(struct machine *m)
 		.turns = m->display.turn_deg || m->pace.brightness_night < 1.0f || m->pace.brightness_day < 1.0f,
 	};
 	int status = screen_init(&m->screen, &m->boot, &config);
-	m->pixels = arena_alloc(&m->boot, (size_t)o->width * o->height * 4, 64);
-	if (status == 0 && m->pixels)
+	bool read_back = m->display.surface != DISPLAY_SURFACE_WINDOW || o->frames;
+	if (read_back)
+		m->pixels = arena_alloc(&m->boot, (size_t)o->width * o->height * 4, 64);
+	if (status == 0 && (m->pixels || !read_back))
 		return 0;
 	log_error("no picture of %u x %u pixels with a budget of %llu MiB: %s", o->width, o->height,
 		(unsigned long long)(o->budget_bytes >> 20), strerror(status < 0 ? -status : ENOMEM));

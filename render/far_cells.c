@@ -11,10 +11,6 @@
 #include "render/cell_emit.h"
 #include "render/see_through.h"
 
-#define SLOTS_MAX 16
-#define SLOTS_MAX_SOFTWARE 10 /* a CPU keeps pages decoded: four times the bytes, all written at start */
-#define SLOTS_MIN 4
-#define STORE_BYTES (UINT64_C(32) << 20) /* slots are fewer than SLOTS_MAX when they would take more */
 #define DISSOLVE_NS (200 * NS_PER_MS)
 #define SLACK_M 8.0     /* so far outside its view cell a local model still does, while a better one is loaded */
 #define BESIDE_M 120.0  /* so far outside the distance still looks right enough */
@@ -26,39 +22,26 @@
 #define SPLIT_MIN_M 1.0 /* very wide pictures see the distance at their sides, little in front of the eye */
 #define WANTED_MAX (NAV_LIKELY_MAX + 1)
 
-static uint32_t slots_that_fit(const struct far_cells *cells)
-{
-	uint64_t one = cell_store_slot_bytes(&cells->store.limits), layers = cells->store.limits.impostor_pages;
-	uint64_t room = cells->repr->config.slots_bytes ? cells->repr->config.slots_bytes : STORE_BYTES;
-	uint64_t count = one ? (room < STORE_BYTES ? room : STORE_BYTES) / one : SLOTS_MAX,
-			 most = gfx_caps(cells->repr->gfx)->max_array_layers;
-	if (layers && count > most / layers)
-		count = most / layers;
-	const uint64_t slots_max = gfx_caps(cells->repr->gfx)->software ? SLOTS_MAX_SOFTWARE : SLOTS_MAX;
-	return count > slots_max ? (uint32_t)slots_max : count < SLOTS_MIN ? SLOTS_MIN : (uint32_t)count;
-}
-
-int far_cells_init(
-	struct far_cells *cells, struct repr *repr, struct arena *arena, const struct cell_cache_config *config)
+int far_cells_init(struct far_cells *cells, struct repr *repr, struct arena *arena)
 {
 	*cells = (struct far_cells){ .repr = repr, .here = PKG_NONE, .before = PKG_NONE, .rung = CELLS_OUTSIDE };
 	if (!repr->pkg->stretches) {
 		log_error("the package has no far field: bake it with --far all");
 		return -ENODATA;
 	}
+	struct cell_cache_config config;
 	struct cell_limits limits;
-	cell_cache_limits(repr->pkg, config, &limits);
-	cells->store.limits = limits;
-	cells->distant_chunks = config->pvs == CELL_PVS_ALWAYS;
-	struct cell_cache_config sized = *config;
-	sized.slot_count = slots_that_fit(cells);
-	sized.deterministic = repr->config.deterministic;
+	repr->ops->cells(repr->pkg, &repr->config, &config);
+	config.slot_count = repr->config.slot_count;
+	config.deterministic = repr->config.deterministic;
+	cell_cache_limits(repr->pkg, &config, &limits);
+	cells->distant_chunks = config.pvs == CELL_PVS_ALWAYS;
 	cell_choice_init(&cells->choice, repr->pkg);
-	int err = cell_cache_init(&cells->cache, arena, repr->pkg, &sized);
+	int err = cell_cache_init(&cells->cache, arena, repr->pkg, &config);
 	if (err)
 		return err;
 	return cell_store_init(
-		&cells->store, arena, repr->gfx, repr->pkg, &limits, sized.slot_count, repr->config.show == REPR_SHOW_WIRE);
+		&cells->store, arena, repr->gfx, repr->pkg, &limits, config.slot_count, repr->config.show == REPR_SHOW_WIRE);
 }
 
 void far_cells_finish(struct far_cells *cells)

@@ -32,10 +32,8 @@ struct far_cells {
 	double split_m;
 };
 
-/* GPU slots are as many as fit into a share of what the representation may take, at least 4. Returns 0, -ENODATA,
- * -ENOMEM or -errno. */
-int far_cells_init(
-	struct far_cells *cells, struct repr *repr, struct arena *arena, const struct cell_cache_config *config);
+/* By what the representation's cells() says. Returns 0, -ENODATA, -ENOMEM or -errno. */
+int far_cells_init(struct far_cells *cells, struct repr *repr, struct arena *arena);
 void far_cells_finish(struct far_cells *cells);
 
 void far_cells_select(struct far_cells *cells, const struct repr_place *place);

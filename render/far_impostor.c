@@ -24,20 +24,23 @@ struct far_impostor {
 	double error_px;
 };
 
-static bool too_coarse(const struct repr *repr, const struct pkg_cell *cell)
+static bool too_coarse(const struct pkg_cell *cell, double tau_px)
 {
-	double tau_px = repr->config.tau_px;
 	return tau_px > 0.0 && cell->kind == PKG_CELL_IMPOSTOR && (double)cell->error_px > tau_px;
 }
 
 /* Visible sets are held for stretches whose cells need them; for all when one is too coarse for what is asked. */
-static enum cell_pvs sets_wanted(const struct repr *repr)
+static enum cell_pvs sets_wanted(const struct pkg *pkg, double tau_px)
 {
-	const struct pkg *pkg = repr->pkg;
 	for (uint32_t i = 0; pkg->stretches && i < pkg->stretch_count * 2; i++)
-		if (pkg->stretches[i / 2].pvs.stored_bytes && too_coarse(repr, &pkg->cells[i]))
+		if (pkg->stretches[i / 2].pvs.stored_bytes && too_coarse(&pkg->cells[i], tau_px))
 			return CELL_PVS_ALWAYS;
 	return CELL_PVS_WHERE_NEEDED;
+}
+
+static void cells(const struct pkg *pkg, const struct repr_config *config, struct cell_cache_config *out)
+{
+	*out = (struct cell_cache_config){ .pvs = sets_wanted(pkg, config->tau_px), .look_of = near_mesh_look_of };
 }
 
 static int init(struct repr *repr, struct arena *arena)
@@ -46,8 +49,7 @@ static int init(struct repr *repr, struct arena *arena)
 	if (!far)
 		return -ENOMEM;
 	repr->state = far;
-	struct cell_cache_config config = { .pvs = sets_wanted(repr), .look_of = near_mesh_look_of };
-	int err = far_cells_init(&far->cells, repr, arena, &config);
+	int err = far_cells_init(&far->cells, repr, arena);
 	if (!err && repr->config.truth)
 		err = impostor_truth_init(&far->truth, arena, repr->gfx, repr->pkg);
 	return err ? err
@@ -90,7 +92,7 @@ static bool wants_geometry(const struct far_impostor *far, const struct repr *re
 	uint32_t here = far->cells.here, seen = far_cells_in_view(&repr->pkg->stretches[here], view);
 	for (uint32_t i = 0; i < 2; i++) {
 		const struct pkg_cell *cell = &repr->pkg->cells[here * 2 + i];
-		if (seen >> i & 1 && (cell->kind == PKG_CELL_GEOMETRY || too_coarse(repr, cell)))
+		if (seen >> i & 1 && (cell->kind == PKG_CELL_GEOMETRY || too_coarse(cell, repr->config.tau_px)))
 			return true;
 	}
 	return false;
@@ -164,6 +166,7 @@ static double error_px(const struct repr *repr)
 
 const struct repr_ops repr_impostor = {
 	.name = "impostor",
+	.cells = cells,
 	.init = init,
 	.finish = finish,
 	.select = choose,

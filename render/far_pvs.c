@@ -8,6 +8,14 @@
 #include "render/far_cells.h"
 #include "render/repr.h"
 
+static void sets(const struct pkg *pkg, const struct repr_config *config, struct cell_cache_config *out)
+{
+	(void)pkg;
+	(void)config;
+	*out =
+		(struct cell_cache_config){ .pvs = CELL_PVS_ALWAYS, .without_impostors = true, .look_of = near_mesh_look_of };
+}
+
 static int init(struct repr *repr, struct arena *arena)
 {
 	bool stored = false;
@@ -21,10 +29,7 @@ static int init(struct repr *repr, struct arena *arena)
 	if (!cells)
 		return -ENOMEM;
 	repr->state = cells;
-	struct cell_cache_config config = {
-		.pvs = CELL_PVS_ALWAYS, .without_impostors = true, .look_of = near_mesh_look_of
-	};
-	return far_cells_init(cells, repr, arena, &config);
+	return far_cells_init(cells, repr, arena);
 }
 
 static void finish(struct repr *repr)
@@ -66,6 +71,7 @@ static double error_px(const struct repr *repr)
 
 const struct repr_ops repr_pvs = {
 	.name = "pvs",
+	.cells = sets,
 	.init = init,
 	.finish = finish,
 	.select = choose,

@@ -8,10 +8,10 @@
 #include <string.h>
 
 #include "assets/cell_cache.h"
-#include "assets/resident.h"
 #include "platform/base/clock.h"
 #include "platform/base/log.h"
 #include "render/backdrop.h"
+#include "render/cell_store.h"
 #include "render/frame_block.h"
 #include "render/frame_truth.h"
 #include "render/marker.h"
@@ -19,6 +19,7 @@
 #include "render/overlay.h"
 #include "render/place_disc.h"
 #include "render/scene.h"
+#include "render/shares.h"
 #include "render/sky.h"
 #include "render/submit.h"
 #include "render/sun.h"
@@ -28,15 +29,11 @@
 #define DEFAULT_SLICE_BYTES (UINT64_C(4) << 20)
 #define DEFAULT_FAR_M 6000.0
 #define DEFAULT_FOV_DEG 45.0
-#define SMALL_BYTES                                                                                                    \
-	(UINT64_C(256) << 10) /* materials and other uniform blocks that come after the shares are settled */
 #define FIXED_ARENA_BYTES (UINT64_C(3) << 19)
-#define ARENA_BYTES_A_CHUNK 128 /* residency, pools of ranges */
-#define ARENA_BYTES_AN_EDGE 64  /* labels */
+#define ARENA_BYTES_AN_EDGE 64 /* labels */
 #define SPLIT_M 150.0
 #define LEAST_DAY_RAD 0.35 /* the sun's height in the look of the day */
 #define JUMP_MM 200000
-#define SLOTS_ROOM_BYTES (UINT64_C(32) << 20) /* all that the cells' slots can use */
 #define OPENING_MM 120000.0
 #define SEEN_MIN_M 500.0  /* what stands in for a cell is geometry up to here */
 #define SEE_AHEAD_M 180.0 /* of the route, past buildings */
@@ -138,54 +135,36 @@ static struct camera_pose opening_pose(const struct pkg *pkg)
 	return pose;
 }
 
-/* What is left of the budget for the cells' slots, once the textures and the geometry within reach have theirs. Returns
- * -EFBIG after saying so when the package needs more than that. */
-static int share_budget(
-	const struct renderer *renderer, struct arena *arena, struct resident_need *need, uint64_t *slots_bytes)
-{
-	const struct renderer_config *config = &renderer->config;
-	uint64_t used = gfx_stats(renderer->gfx)->bytes + SMALL_BYTES, budget = config->gpu_budget_bytes;
-	uint64_t left = budget > used ? budget - used : 0;
-	resident_need_whole(renderer->pkg, need);
-	int status = need->sum + SLOTS_ROOM_BYTES <= left ? 0 : resident_need(renderer->pkg, arena, need);
-	if (status < 0)
-		return status;
-	uint64_t bound = renderer->pkg->meta->resident_bound_bytes;
-	bound = bound > need->sum ? bound : need->sum;
-	if (bound > left) {
-		log_error(
-			"the package needs %.1f MiB resident for its cells, the budget leaves %.1f MiB at %u x %u and %u samples",
-			(double)bound / 1048576.0, (double)left / 1048576.0, config->width, config->height, config->samples);
-		return -EFBIG;
-	}
-	*slots_bytes = left - need->textures - need->geometry;
-	return 0;
-}
-
 static int make_scene(struct renderer *renderer, struct arena *arena, const struct repr_ops *far_ops)
 {
 	const struct renderer_config *config = &renderer->config;
-	struct resident_need need = { 0 };
-	uint64_t slots_bytes = 0;
-	if (far_ops->reach_m && renderer->pkg->stretches) {
-		int status = share_budget(renderer, arena, &need, &slots_bytes);
-		if (status < 0)
-			return status;
-	}
 	struct repr_config repr_config = {
 		.tau_px = config->tau_px,
 		.upload_slice_bytes = config->upload_slice_bytes,
-		.slots_bytes = slots_bytes,
-		.reach_m = need.reach_m,
 		.far_m = config->far_m,
 		.deterministic = config->deterministic,
 		.truth = config->truth,
 		.show = config->show,
 	};
-	int err = scene_init(&renderer->scene, arena, renderer->gfx, &renderer->mesh, renderer->pkg, far_ops, &repr_config);
+	struct shares_config shares_config = { .pkg = renderer->pkg,
+		.far_ops = far_ops,
+		.far_config = &repr_config,
+		.gfx = renderer->gfx,
+		.budget_bytes = config->budget_bytes,
+		.gpu_bytes = config->gpu_budget_bytes,
+		.width = config->width,
+		.height = config->height,
+		.samples = config->samples };
+	struct shares shares;
+	int err = shares_settle(&shares, arena, &shares_config);
+	if (err)
+		return err;
+	repr_config.slot_count = shares.slot_count;
+	repr_config.reach_m = shares.need.reach_m;
+	err = scene_init(&renderer->scene, arena, renderer->gfx, &renderer->mesh, renderer->pkg, far_ops, &repr_config);
 	if (!err)
-		err = near_mesh_init(
-			&renderer->mesh, arena, renderer->gfx, renderer->pkg, config->gpu_budget_bytes, need.reach_m);
+		err = near_mesh_init(&renderer->mesh, arena, renderer->gfx, renderer->pkg, shares.gpu_bytes,
+			shares.around ? &shares.need : NULL);
 	if (err)
 		return err;
 	renderer->obstacles = (struct obstacles){ .pkg = renderer->pkg, .residency = &renderer->mesh.residency };
@@ -197,17 +176,15 @@ static int make_scene(struct renderer *renderer, struct arena *arena, const stru
 /* Everything that grows with the city, and room for all that does not. */
 uint64_t renderer_arena_bytes(const struct renderer_config *config, const struct pkg *pkg)
 {
-	const uint64_t chunks = pkg->chunk_count, objects = pkg->object_count, edges = pkg->graph.edge_count;
-	uint64_t sum = FIXED_ARENA_BYTES;
-	sum += objects * PKG_PASS_COUNT * sizeof(struct mesh_run);
-	sum += chunks * (PKG_PASS_COUNT * sizeof(struct mesh_run) + sizeof(struct visible_chunk) +
-						2 * VIEW_SLICE_COUNT * PKG_PASS_COUNT * sizeof(struct draw_item) + ARENA_BYTES_A_CHUNK);
-	sum += edges * ARENA_BYTES_AN_EDGE;
+	uint64_t sum = FIXED_ARENA_BYTES + (uint64_t)pkg->graph.edge_count * ARENA_BYTES_AN_EDGE;
+	sum += scene_arena_bytes(pkg) + near_mesh_arena_bytes(pkg);
 	const struct repr_ops *far_ops = repr_by_name(config->far_name ? config->far_name : "full", pkg);
-	if (pkg->stretches && far_ops && far_ops->reach_m)
-		sum += cell_cache_bytes(pkg, &(struct cell_cache_config){ 0 });
-	else if (pkg->stretches && far_ops == &repr_pvs)
-		sum += cell_cache_bytes(pkg, &(struct cell_cache_config){ .pvs = CELL_PVS_ALWAYS, .without_impostors = true });
+	if (pkg->stretches && far_ops && far_ops->cells) {
+		struct cell_cache_config cells;
+		far_ops->cells(pkg, &(struct repr_config){ .tau_px = config->tau_px }, &cells);
+		cells.slot_count = SHARES_SLOTS_MAX;
+		sum += cell_cache_bytes(pkg, &cells) + SHARES_SLOTS_MAX * sizeof(struct stored_slot);
+	}
 	return sum;
 }
 

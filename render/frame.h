@@ -22,10 +22,11 @@ struct renderer;
 
 /* Zero takes the default. */
 struct renderer_config {
-	uint32_t width, height;      /* of the picture; required */
-	uint32_t samples;            /* per pixel; default 4, 1 is none */
-	bool depth_16;               /* a depth buffer of 16 bits instead of 24 */
-	uint64_t gpu_budget_bytes;   /* for everything on the GPU; default 512 MiB */
+	uint32_t width, height; /* of the picture; required */
+	uint32_t samples;       /* per pixel; default 4, 1 is none */
+	bool depth_16;          /* a depth buffer of 16 bits instead of 24 */
+	uint64_t budget_bytes;  /* for all that the arena holds and everything on the GPU; the arena is cut to its part */
+	uint64_t gpu_budget_bytes;   /* for everything on the GPU, without budget_bytes; default 512 MiB */
 	uint64_t upload_slice_bytes; /* per frame, once drawing; default 4 MiB */
 	const char *far_name;        /* of a representation (repr.h), or "auto"; default "full" */
 	double tau_px;               /* what is stored with a larger error is drawn as geometry; 0: as it is */
@@ -68,7 +69,7 @@ struct renderer_stats {
  * renderer_finish(). */
 int renderer_init(
 	struct renderer **out, struct arena *city_arena, const struct renderer_config *config, const struct pkg *pkg);
-/* Upper bound of what it takes from the arena. */
+/* Upper bound of what it takes from the arena. Where budget_bytes is given, it finds out itself, and better. */
 uint64_t renderer_arena_bytes(const struct renderer_config *config, const struct pkg *pkg);
 /* NULL does nothing. */
 void renderer_finish(struct renderer *renderer);

@@ -83,19 +83,18 @@ static int make_pipelines(struct near_mesh *mesh)
 }
 
 /* Pools of the whole city, else of what is wanted at once, else of what is left in proportion to that. */
-static int make_pools(struct near_mesh *mesh, struct arena *arena, uint64_t left_bytes, double reach_m)
+static int make_pools(
+	struct near_mesh *mesh, struct arena *arena, uint64_t left_bytes, const struct resident_need *need)
 {
 	const uint64_t vertex_bytes = sizeof(struct pkg_mesh_vertex), limit = UINT32_MAX;
 	uint64_t vertices, indices;
-	int err = 0;
 	residency_totals(mesh->pkg, &vertices, &indices);
 	uint64_t wanted = vertices * vertex_bytes + indices * 2;
-	if (wanted > left_bytes && reach_m > 0.0) {
-		err = residency_pools(mesh->pkg, arena, reach_m, &vertices, &indices);
-		wanted = vertices * vertex_bytes + indices * 2;
+	if (wanted > left_bytes && need) {
+		vertices = need->vertices;
+		indices = need->indices;
+		wanted = need->geometry;
 	}
-	if (err)
-		return err;
 	if (wanted > left_bytes && wanted) {
 		double share = (double)left_bytes / (double)wanted;
 		vertices = (uint64_t)((double)vertices * share);
@@ -111,7 +110,7 @@ static int make_pools(struct near_mesh *mesh, struct arena *arena, uint64_t left
 	struct gfx_buffer_desc index_pool = { .kind = GFX_BUFFER_INDEX, .bytes = (uint32_t)(indices * 2) };
 	vertex_pool.bytes = vertex_pool.bytes ? vertex_pool.bytes : (uint32_t)vertex_bytes;
 	index_pool.bytes = index_pool.bytes ? index_pool.bytes : 2;
-	err = gfx_buffer_create(mesh->gfx, &vertex_pool, &mesh->vertices);
+	int err = gfx_buffer_create(mesh->gfx, &vertex_pool, &mesh->vertices);
 	if (!err)
 		err = gfx_buffer_create(mesh->gfx, &index_pool, &mesh->indices);
 	if (!err)
@@ -120,6 +119,20 @@ static int make_pools(struct near_mesh *mesh, struct arena *arena, uint64_t left
 }
 
 /* Room for one run per object and pass, and one per pass for chunks whose objects do not add up. */
+static uint32_t runs_of(const struct pkg_chunk *chunk)
+{
+	return (chunk->object_count + 1) * PKG_PASS_COUNT;
+}
+
+uint64_t near_mesh_arena_bytes(const struct pkg *pkg)
+{
+	uint64_t runs = 0;
+	for (uint32_t i = 0; i < pkg->chunk_count; i++)
+		runs += runs_of(&pkg->chunks[i]);
+	return runs * sizeof(struct mesh_run) + (uint64_t)pkg->chunk_count * (2 * sizeof(uint32_t) + sizeof(uint8_t)) +
+		   residency_arena_bytes(pkg);
+}
+
 static int make_runs(struct near_mesh *mesh, struct arena *arena)
 {
 	uint32_t chunks = mesh->pkg->chunk_count, sum = 0;
@@ -130,15 +143,16 @@ static int make_runs(struct near_mesh *mesh, struct arena *arena)
 		return -ENOMEM;
 	for (uint32_t i = 0; i < chunks; i++) {
 		mesh->first_run[i] = sum;
-		sum += (mesh->pkg->chunks[i].object_count + 1) * PKG_PASS_COUNT;
+		sum += runs_of(&mesh->pkg->chunks[i]);
 	}
 	mesh->runs = ARENA_ARRAY(arena, struct mesh_run, sum);
 	return mesh->runs ? 0 : -ENOMEM;
 }
 
 int near_mesh_init(struct near_mesh *mesh, struct arena *arena, struct gfx *gfx, const struct pkg *pkg,
-	uint64_t budget_bytes, double reach_m)
+	uint64_t budget_bytes, const struct resident_need *need)
 {
+	double reach_m = need ? need->reach_m : 0.0;
 	*mesh = (struct near_mesh){ .gfx = gfx, .pkg = pkg, .close_m = reach_m > CLOSE_M ? reach_m : CLOSE_M };
 	int err = make_pipelines(mesh);
 	if (!err)
@@ -155,7 +169,7 @@ int near_mesh_init(struct near_mesh *mesh, struct arena *arena, struct gfx *gfx,
 			(double)budget_bytes / 1048576.0, (double)used / 1048576.0);
 		return -ENOMEM;
 	}
-	return make_pools(mesh, arena, budget_bytes - used, reach_m);
+	return make_pools(mesh, arena, budget_bytes - used, need);
 }
 
 void near_mesh_finish(struct near_mesh *mesh)

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "assets/residency.h"
+#include "assets/resident.h"
 #include "render/draw_list.h"
 #include "render/fade.h"
 #include "render/gfx.h"
@@ -56,10 +57,11 @@ struct near_mesh {
 };
 
 /* Makes all GL objects. The pools take the whole city if that fits into what is left of `budget_bytes`; otherwise what
- * the chunks within `reach_m` of an eye over a street need (0: as much as there is room for), or what is left. Returns
- * 0, -ENOMEM or -EINVAL. */
+ * `need` says (NULL: as much as there is room for), or what is left. Returns 0, -ENOMEM or -EINVAL. */
 int near_mesh_init(struct near_mesh *mesh, struct arena *arena, struct gfx *gfx, const struct pkg *pkg,
-	uint64_t budget_bytes, double reach_m);
+	uint64_t budget_bytes, const struct resident_need *need);
+/* What it takes from the arena, but for padding. */
+uint64_t near_mesh_arena_bytes(const struct pkg *pkg);
 void near_mesh_finish(struct near_mesh *mesh);
 
 /* Loads what is within `far_m` of the eye, nearest first, as far as the slice goes; when the whole city has room, what

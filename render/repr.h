@@ -11,6 +11,7 @@
 
 #include <stdint.h>
 
+#include "assets/cell_cache.h"
 #include "nav/nav_view.h"
 #include "render/draw_list.h"
 #include "render/near_mesh.h"
@@ -27,11 +28,11 @@ enum repr_show {
 struct repr_config {
 	double tau_px; /* what is stored with a larger error is drawn as geometry where it can be; 0: as it is */
 	uint64_t upload_slice_bytes;
-	uint64_t slots_bytes; /* what it may take on the GPU for what it loads; at least RESIDENT_SLOTS slots */
-	double reach_m;       /* how far from an eye on a street the near geometry has room to be resident */
-	double far_m;         /* nothing is drawn beyond */
-	bool deterministic;   /* loading takes the same number of frames, whatever the machine's speed */
-	bool truth;           /* draw_truth() will be called */
+	uint32_t slot_count; /* of stretches that it may keep */
+	double reach_m;      /* how far from an eye on a street the near geometry has room to be resident */
+	double far_m;        /* nothing is drawn beyond */
+	bool deterministic;  /* loading takes the same number of frames, whatever the machine's speed */
+	bool truth;          /* draw_truth() will be called */
 	enum repr_show show;
 };
 
@@ -68,6 +69,8 @@ struct repr {
 
 struct repr_ops {
 	const char *name;
+	/* What it keeps of the stretches, but for how many. NULL: it loads none. */
+	void (*cells)(const struct pkg *pkg, const struct repr_config *config, struct cell_cache_config *out);
 	/* Mandatory. Makes GL objects of fixed size; the city's geometry gets what is left of the budget. Returns 0,
 	 * -ENOMEM, -EINVAL or -ENODATA when the package lacks what it needs. */
 	int (*init)(struct repr *repr, struct arena *arena);

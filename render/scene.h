@@ -19,6 +19,8 @@ struct scene {
  * 0, -ENOMEM, or what the representation's init returned. */
 int scene_init(struct scene *scene, struct arena *arena, struct gfx *gfx, struct near_mesh *mesh, const struct pkg *pkg,
 	const struct repr_ops *far_ops, const struct repr_config *config);
+/* What it takes from the arena for itself, but for padding. */
+uint64_t scene_arena_bytes(const struct pkg *pkg);
 void scene_finish(struct scene *scene);
 
 /* Fills scene->list, sorted. After the representation's select(). */

@@ -105,6 +105,13 @@ expect 0 '' "$boulevard" good.blvd --replay noisy.candump --headless --size 64x6
 bad=$(jq .vehicle.frames_bad stats.json)
 [ "$bad" -ge 3 ] || { echo "FAILED: $bad bad frames counted instead of 3"; faults=$((faults + 1)); }
 
+# more must be resident at once than the budget has: refused with both numbers
+"$blvd" bake -q --far pvs --cells 0-0 good.blvd -o cells.blvd || { echo 'FAILED: bake'; exit 1; }
+bound=$("$blvd" inspect --json cells.blvd | jq -r '.resident_bound_bytes * 10 / 1048576 | round | "\(. / 10 | floor).\(. % 10)"')
+expect 3 "needs $bound MiB resident for its cells, a budget of 6.0 MiB leaves" "$boulevard" cells.blvd --replay good.candump --headless --size 64x64 \
+	--samples 1 --far impostor --budget 6 --limit 1
+expect 0 '' "$boulevard" cells.blvd --replay good.candump --headless --size 64x64 --samples 1 --far impostor --budget 64 --limit 1
+
 # a folder that cannot be written
 expect 1 '/nonexistent' "$blvd" bake -q "$2/tests/tools/data/crossing.osm" -o /nonexistent/x.blvd
 expect 1 '/nonexistent' "$boulevard" good.blvd --replay good.candump --headless --size 64x64 --limit 1 --frames /nonexistent/frames

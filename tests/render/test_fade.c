@@ -90,7 +90,7 @@ static void a_fading_building_is_drawn_once_and_apart(void **state)
 	struct gfx *gfx;
 	struct near_mesh mesh;
 	assert_int_equal(gfx_init(&gfx, &arena, &gfx_dummy, NULL), 0);
-	assert_int_equal(near_mesh_init(&mesh, &arena, gfx, &fixture->city.pkg, 16 << 20, 0.0), 0);
+	assert_int_equal(near_mesh_init(&mesh, &arena, gfx, &fixture->city.pkg, 16 << 20, NULL), 0);
 	near_mesh_load(&mesh, west, 6000.0, UINT64_MAX);
 	struct fade fade = { .entries = { { .object = 2, .opacity = 0.5f } }, .count = 1 };
 	struct draw_list list;

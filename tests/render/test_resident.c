@@ -97,11 +97,52 @@ static void the_budget_is_kept_or_refused(void **state)
 	}
 }
 
+/* One budget for arena and GPU: from the least that is accepted, in steps of less than a slot. */
+static void arena_and_gpu_share_a_budget_to_the_last_slot(void **state)
+{
+	(void)state;
+	struct pkg pkg;
+	uint64_t least = 0, slots_bytes = 0;
+	open_street(&pkg, 0);
+	for (uint64_t budget = 4 * MIB; budget <= 24 * MIB; budget += 100000) {
+		struct renderer *renderer;
+		arena_init(&arena, "test", memory, sizeof(memory));
+		struct renderer_config config = { .width = 320,
+			.height = 180,
+			.samples = 1,
+			.far_name = "impostor",
+			.budget_bytes = budget,
+			.deterministic = true,
+			.gfx = &gfx_dummy };
+		int status = renderer_init(&renderer, &arena, &config, &pkg);
+		if (status) {
+			assert_int_equal(status, -EFBIG);
+			assert_int_equal(least, 0); /* what was enough stays enough */
+			continue;
+		}
+		struct renderer_stats stats;
+		renderer_stats(renderer, &stats);
+		least = least ? least : budget;
+		assert_int_equal(arena.failed, 0);
+		assert_true(arena.size < sizeof(memory)); /* what it does not need the GPU has */
+		assert_true(arena.size - arena.used < 32 << 10);
+		assert_true(arena.size + stats.gpu_bytes_high_water <= budget);
+		assert_true(stats.far_bytes >= slots_bytes);
+		slots_bytes = stats.far_bytes;
+		if (budget == least) /* and it was not refused too early */
+			assert_true(budget - arena.used - stats.gpu_bytes_high_water < 768 << 10);
+		renderer_finish(renderer);
+	}
+	assert_true(least > 5 * MIB && least < 16 * MIB);
+	pkg_close(&pkg);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_need_covers_what_is_near_and_some_slots),
 		cmocka_unit_test(the_budget_is_kept_or_refused),
+		cmocka_unit_test(arena_and_gpu_share_a_budget_to_the_last_slot),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
