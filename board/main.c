@@ -24,6 +24,7 @@
 #include "board/standby.h"
 #include "board/stats.h"
 #include "platform/base/clock.h"
+#include "platform/base/heap.h"
 #include "platform/base/log.h"
 #include "platform/base/notify.h"
 #include "platform/display/display.h"
@@ -31,6 +32,7 @@
 
 #define CPU_SHARE_MIN ((uint64_t)3 << 20)
 #define CPU_SHARE_MAX ((uint64_t)96 << 20)
+#define DRIVER_BYTES ((uint64_t)64 << 20) /* of the heap, beside what the budget counts */
 #define MOVING_MPS 1.4
 #define LOADING_STEP_NS (2 * NS_PER_MS)
 #define WHILE_LOADING_NS (15 * NS_PER_MS) /* from one look at the inputs to the next */
@@ -41,6 +43,7 @@ struct machine {
 	struct profile profile;
 	uint8_t *memory; /* the CPU's part of the budget, one reservation */
 	uint64_t memory_bytes;
+	struct heap_piece heap; /* the driver's */
 	struct arena boot;
 	struct inputs inputs;
 	struct controls controls;
@@ -90,7 +93,7 @@ static void catch_signals(void)
 }
 
 /* One reservation for everything of ours on the CPU: no more than half of the budget, of which the city gives
- * the GPU what is not needed. */
+ * the GPU what is not needed; and room for the driver's. */
 static int reserve_memory(struct machine *m)
 {
 	uint64_t budget = m->options.budget_bytes;
@@ -105,6 +108,7 @@ static int reserve_memory(struct machine *m)
 		return -ENOMEM;
 	}
 	m->memory = at;
+	heap_prepare(&m->heap, (size_t)(budget + DRIVER_BYTES));
 	arena_init(&m->boot, "boot", m->memory, (size_t)m->memory_bytes);
 	return 0;
 }
@@ -221,7 +225,10 @@ static int start(struct machine *m)
 	if (m->options.frames && make_frames_folder(m->options.frames) < 0)
 		return EXIT_CODE_FAILED;
 	stats_phase(&m->stats, "profile", m->started_ns);
-	if (open_display(m) < 0 || open_screen(m) < 0)
+	if (open_display(m) < 0)
+		return EXIT_CODE_FAILED;
+	heap_large_pages(&m->heap, true); /* loading the driver has made the heap grow */
+	if (open_screen(m) < 0)
 		return EXIT_CODE_FAILED;
 	stats_phase(&m->stats, "display", m->started_ns);
 	int status = reverse_open(&m->reverse, &m->options, &m->profile, &m->screen, m->simulated, &m->boot);
@@ -338,6 +345,7 @@ static void count_map_frame(struct machine *m, const struct nav_view *view)
 		stats_phase(s, "picture", m->started_ns);
 		s->first_frame_ms = (double)(clock_now_ns() - m->started_ns) / 1e6;
 		arena_seal(&m->boot);
+		heap_large_pages(&m->heap, false);
 	}
 	city_drawn(&m->city);
 }
