@@ -11,8 +11,11 @@
 #include <string.h>
 
 #include "platform/base/log.h"
+#include "render/etc2_block.h"
 #include "render/gfx_backend.h"
 #include "render/shader_files.h"
+
+#define DECODED_TEXELS 16384 /* blocks become texels in strips of so many at most */
 
 typedef void (*draw_base_vertex_fn)(GLenum mode, GLsizei count, GLenum type, const void *indices, GLint base_vertex);
 
@@ -26,6 +29,7 @@ struct gles3 {
 	enum gfx_depth depth;
 	bool cull_back;
 	float offset_factor, offset_units;
+	uint8_t (*decoded)[4]; /* a strip, or NULL where the driver takes the blocks */
 };
 
 static const struct {
@@ -127,6 +131,10 @@ static int gles3_init(struct gfx *gfx, struct arena *arena)
 		return -ENOMEM;
 	gfx->impl = gl;
 	probe(gfx, gl, major * 10 + minor);
+	/* llvmpipe would decode them when they are written too, five times as slowly, and keep the blocks beside the texels
+	 */
+	if (gfx->caps.software)
+		gl->decoded = arena_alloc(arena, (size_t)DECODED_TEXELS * 4, 64);
 	glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
 	glPixelStorei(GL_PACK_ALIGNMENT, 1);
 	glDisable(GL_DITHER);
@@ -213,6 +221,21 @@ static void set_sampling(const struct gfx *gfx, const struct gfx_texture_slot *s
 			kind, GL_TEXTURE_MAX_ANISOTROPY_EXT, gfx->caps.max_anisotropy < 4.0f ? gfx->caps.max_anisotropy : 4.0f);
 }
 
+static bool decodes(const struct gfx *gfx, const struct gfx_texture_slot *slot)
+{
+	const struct gles3 *gl = gfx->impl;
+	bool blocks = slot->desc.format == GFX_ETC2_RGBA8 || slot->desc.format == GFX_ETC2_SRGBA8;
+	return gl->decoded && blocks && slot->desc.width * 4 <= DECODED_TEXELS;
+}
+
+/* What GL stores. */
+static enum gfx_format stored_format(const struct gfx *gfx, const struct gfx_texture_slot *slot)
+{
+	if (!decodes(gfx, slot))
+		return slot->desc.format;
+	return slot->desc.format == GFX_ETC2_RGBA8 ? GFX_RGBA8 : GFX_SRGBA8;
+}
+
 static int gles3_texture_create(struct gfx *gfx, struct gfx_texture_slot *slot)
 {
 	const struct gfx_texture_desc *desc = &slot->desc;
@@ -221,7 +244,7 @@ static int gles3_texture_create(struct gfx *gfx, struct gfx_texture_slot *slot)
 	glGenTextures(1, &slot->native);
 	bind_for_change(gfx->impl, slot);
 	GLsizei levels = (GLsizei)desc->levels, width = (GLsizei)desc->width, height = (GLsizei)desc->height;
-	GLenum internal = formats[desc->format].internal;
+	GLenum internal = formats[stored_format(gfx, slot)].internal;
 	if (desc->layers)
 		glTexStorage3D(GL_TEXTURE_2D_ARRAY, levels, internal, width, height, (GLsizei)desc->layers);
 	else
@@ -259,15 +282,13 @@ static void gles3_texture_destroy(struct gfx *gfx, struct gfx_texture_slot *slot
 	memset(gl->textures, 0, sizeof(gl->textures));
 }
 
-static void gles3_texture_write(
-	struct gfx *gfx, struct gfx_texture_slot *slot, const struct gfx_region *r, const void *texels)
+static void write_texels(
+	const struct gfx_texture_slot *slot, const struct gfx_region *r, enum gfx_format stored, const void *texels)
 {
-	bind_for_change(gfx->impl, slot);
-	GLenum internal = formats[slot->desc.format].internal, format = formats[slot->desc.format].format;
-	GLenum type = formats[slot->desc.format].type;
+	GLenum internal = formats[stored].internal, format = formats[stored].format, type = formats[stored].type;
 	GLint level = (GLint)r->level, x = (GLint)r->x, y = (GLint)r->y, z = (GLint)r->layer;
 	GLsizei w = (GLsizei)r->width, h = (GLsizei)r->height, d = (GLsizei)r->layers;
-	GLsizei bytes = (GLsizei)gfx_format_bytes(slot->desc.format, r->width, r->height, r->layers);
+	GLsizei bytes = (GLsizei)gfx_format_bytes(stored, r->width, r->height, r->layers);
 	if (r->row_texels)
 		glPixelStorei(GL_UNPACK_ROW_LENGTH, (GLint)r->row_texels);
 	if (slot->desc.layers && format)
@@ -280,6 +301,37 @@ static void gles3_texture_write(
 		glCompressedTexSubImage2D(GL_TEXTURE_2D, level, x, y, w, h, internal, bytes, texels);
 	if (r->row_texels)
 		glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+}
+
+/* Blocks of the region, in strips of whole rows of blocks. */
+static void write_decoded(
+	const struct gfx *gfx, const struct gfx_texture_slot *slot, const struct gfx_region *r, const uint8_t *blocks)
+{
+	const struct gles3 *gl = gfx->impl;
+	const enum gfx_format stored = stored_format(gfx, slot);
+	const uint32_t rows = DECODED_TEXELS / r->width & ~3u;
+	for (uint32_t layer = 0; layer < r->layers; layer++) {
+		for (uint32_t row = 0; row < r->height; row += rows) {
+			struct gfx_region strip = *r;
+			strip.layer = r->layer + layer;
+			strip.layers = 1;
+			strip.y = r->y + row;
+			strip.height = r->height - row < rows ? r->height - row : rows;
+			etc2_decode(gl->decoded, blocks, strip.width, strip.height);
+			write_texels(slot, &strip, stored, gl->decoded);
+			blocks += gfx_format_bytes(slot->desc.format, strip.width, strip.height, 1);
+		}
+	}
+}
+
+static void gles3_texture_write(
+	struct gfx *gfx, struct gfx_texture_slot *slot, const struct gfx_region *region, const void *texels)
+{
+	bind_for_change(gfx->impl, slot);
+	if (decodes(gfx, slot))
+		write_decoded(gfx, slot, region, texels);
+	else
+		write_texels(slot, region, slot->desc.format, texels);
 }
 
 static GLuint make_renderbuffer(GLenum format, const struct gfx_target_desc *desc)

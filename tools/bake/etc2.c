@@ -8,10 +8,6 @@
 /* Mean error of 2 steps a channel: below it the T and H modes are not worth their time. */
 #define GOOD_ERROR (16u * 3u * 4u)
 
-const uint8_t etc2_steps[8][2] = { { 2, 8 }, { 5, 17 }, { 9, 29 }, { 13, 42 }, { 18, 60 }, { 24, 80 }, { 33, 106 },
-	{ 47, 183 } };
-const uint8_t etc2_distances[8] = { 3, 6, 11, 16, 23, 32, 41, 64 };
-
 uint32_t etc2_index_texels(const uint8_t texels[16][4], const int colours[4][3], uint64_t *bits)
 {
 	uint32_t sum = 0;
@@ -70,19 +66,6 @@ void etc2_encode(uint8_t *blocks, const uint8_t (*texels)[4], uint32_t width, ui
 				memcpy(block[i], texels[(size_t)y * width + x], 4);
 			}
 			etc2_encode_block(blocks, (const uint8_t(*)[4])block);
-		}
-	}
-}
-
-void etc2_decode(uint8_t (*texels)[4], const uint8_t *blocks, uint32_t width, uint32_t height)
-{
-	for (uint32_t top = 0; top < height; top += 4) {
-		for (uint32_t left = 0; left < width; left += 4, blocks += ETC2_BLOCK_BYTES) {
-			uint8_t block[16][4];
-			etc2_decode_block(block, blocks);
-			for (uint32_t i = 0; i < 16; i++)
-				if (left + i % 4 < width && top + i / 4 < height)
-					memcpy(texels[(size_t)(top + i / 4) * width + left + i % 4], block[i], 4);
 		}
 	}
 }

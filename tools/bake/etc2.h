@@ -12,16 +12,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define ETC2_BLOCK_BYTES 16
+#include "render/etc2_block.h" /* and back */
 
 /* Bytes of a picture; sides that are no multiple of 4 are filled up with their last texels. */
 size_t etc2_bytes(uint32_t width, uint32_t height);
 void etc2_encode(uint8_t *blocks, const uint8_t (*texels)[4], uint32_t width, uint32_t height);
-void etc2_decode(uint8_t (*texels)[4], const uint8_t *blocks, uint32_t width, uint32_t height);
 
 /* One block; the colour error is summed over what is stored, all three channels weighing the same. */
 void etc2_encode_block(uint8_t block[ETC2_BLOCK_BYTES], const uint8_t texels[16][4]);
-/* Takes any 16 bytes. */
-void etc2_decode_block(uint8_t texels[16][4], const uint8_t block[ETC2_BLOCK_BYTES]);
 
 #endif

@@ -1,9 +1,11 @@
-/* The ways to store a block, shared by the encoder's files and the decoder. Sections named are of the Khronos
- * Data Format Specification 1.3. Bits are counted as there: bit 63 is the first of the block's eight bytes. */
+/* The ways to store a block, shared by the encoder's files. Sections named are of the Khronos Data Format Specification
+ * 1.3. Bits are counted as there: bit 63 is the first of the block's eight bytes. */
 #ifndef BLVD_TOOLS_BAKE_ETC2_MODES_H
 #define BLVD_TOOLS_BAKE_ETC2_MODES_H
 
 #include <stdint.h>
+
+#include "render/etc2_block.h"
 
 /* The best block found so far. */
 struct etc2_choice {
@@ -18,49 +20,17 @@ void etc2_try_planar(const uint8_t texels[16][4], struct etc2_choice *best);
 void etc2_try_paints(const uint8_t texels[16][4], struct etc2_choice *best); /* T and H */
 uint64_t etc2_alpha_block(const uint8_t texels[16][4]);
 
-/* Smaller and larger step from the base colour, both ways: ETC1, "Intensity modifier sets". */
-extern const uint8_t etc2_steps[8][2];
-/* Distances of the T and H modes: "Format RGB ETC2". */
-extern const uint8_t etc2_distances[8];
-/* Alpha modifiers by table and index: "Format RGBA ETC2". */
-extern const int16_t etc2_alpha_steps[16][8];
-
-/* Indices are stored column by column; texel i counts row by row. */
-static inline unsigned etc2_place(unsigned i)
-{
-	return i % 4 * 4 + i / 4;
-}
-
 /* The two bits of a texel's index, in their two planes of 16. */
 static inline uint64_t etc2_index_bits(unsigned i, unsigned index)
 {
 	return (uint64_t)(index >> 1) << (16 + etc2_place(i)) | (uint64_t)(index & 1) << etc2_place(i);
 }
 
-/* The eight bytes of a block, its first one highest. */
-static inline uint64_t etc2_get_word(const uint8_t bytes[8])
-{
-	uint64_t bits = 0;
-	for (int i = 0; i < 8; i++)
-		bits = bits << 8 | bytes[i];
-	return bits;
-}
-
+/* The eight bytes of a block, its first one highest: the other way etc2_get_word(). */
 static inline void etc2_put_word(uint8_t bytes[8], uint64_t bits)
 {
 	for (int i = 0; i < 8; i++)
 		bytes[i] = (uint8_t)(bits >> (56 - 8 * i));
-}
-
-static inline int etc2_clamp(int value)
-{
-	return value < 0 ? 0 : value > 255 ? 255 : value;
-}
-
-/* Widens 4 to 7 bits to 8 by repeating the high ones. */
-static inline int etc2_widen(int value, int bits)
-{
-	return bits == 4 ? value * 17 : value << (8 - bits) | value >> (2 * bits - 8);
 }
 
 static inline int etc2_square(int value)
