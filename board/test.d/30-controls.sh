@@ -2,7 +2,7 @@
 # knob, buttons and lines: the menu, a line in use elsewhere, a chip that goes and comes back, an input device
 needs_pins
 
-tests=$(dirname "$CITY")/../tests
+tests=$(dirname "$DRIVE")/../tests
 says() { [ "$(stat_of ".controls.$1")" = "$2" ]; }
 
 # What the unit tests cannot have without a kernel: each says itself what it checked.
