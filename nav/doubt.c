@@ -23,7 +23,7 @@ void doubt_grow(struct nav *nav, const struct nav_input *input, const struct rec
 {
 	drift_step(&nav->drift, &nav->reckon, step, &input->motion);
 	if (input->motion.speed_valid && nav->was_blind && nav->drift.blind_m > BLIND_M && nav->match.on_street) {
-		match_blur(&nav->match, nav->drift.blind_m);
+		match_blur(&nav->match, nav->drift.blind_m, true);
 		nav->drift.blind_m = 0.0;
 	}
 	nav->was_blind = !input->motion.speed_valid;

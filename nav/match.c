@@ -29,6 +29,7 @@
 #define RETURN_TURN_RAD 0.6
 #define RETRY_M 5.0
 #define BLUR_MAX_M 1000.0
+#define GNSS_REST_M 3.0 /* driven from one fix that counts to the next */
 #define BLUR_PIECE_M 20.0
 #define MODES_MAX 96
 #define HOPS_MAX 24
@@ -78,6 +79,7 @@ static void forget(struct match *match)
 	match->misfit = 0.0;
 	match->misfit_m = 0.0;
 	match->gnss_far = 0;
+	match->spread = false;
 }
 
 static const struct match_hints no_hints;
@@ -629,7 +631,7 @@ void match_gnss(struct match *match, const struct reckon *reckon, struct dvec2 a
 		match_place_near(match, at_m, 40.0, false, reckon->heading_bam);
 		return;
 	}
-	if (match->since_gnss_m < 3.0)
+	if (match->since_gnss_m < GNSS_REST_M)
 		return;
 	for (uint32_t i = 0; i < match->count; i++) {
 		struct dvec3 at = graph_at(match->graph, match->particles[i].half, match->particles[i].along_m).at_m;
@@ -650,8 +652,9 @@ void match_gnss(struct match *match, const struct reckon *reckon, struct dvec2 a
 		struct match_particle *particle = &match->particles[i];
 		struct dvec3 at = graph_at(match->graph, particle->half, particle->along_m).at_m;
 		double d = hypot(at.x - at_m.x, at.y - at_m.y) / sigma;
-		particle->log_weight -= 0.5 * fmin(d * d, MISFIT_MAX) * 0.3;
+		particle->log_weight -= 0.5 * (match->spread ? d * d : fmin(d * d, MISFIT_MAX) * 0.3);
 	}
+	match->spread = false;
 	if (normalise(match) < 0.5 * match->count)
 		resample(match);
 	estimate(match, &no_hints);
@@ -666,17 +669,29 @@ bool match_place_off(struct match *match, struct dvec2 at_m, double radius_m, in
 	return true;
 }
 
-void match_blur(struct match *match, double by_m)
+static double street_rad(const struct match *match, const struct match_particle *particle)
+{
+	double length = graph_length_m(match->graph, particle->half);
+	return graph_at(match->graph, particle->half, fmin(fmax(particle->along_m, 0.0), length)).heading_rad;
+}
+
+void match_blur(struct match *match, double by_m, bool turns_seen)
 {
 	double most = fmin(by_m, BLUR_MAX_M);
 	for (uint32_t i = 0; i < match->count && match->located; i++) {
 		struct match_particle *particle = &match->particles[i];
+		double before_rad = street_rad(match, particle);
 		/* in pieces, so that no junction is stepped over */
 		for (double left = most * rng_unit(&match->rng); left > 0.0; left -= BLUR_PIECE_M) {
 			particle->along_m += fmin(left, BLUR_PIECE_M);
 			cross_nodes(match, &no_hints, particle, true);
 		}
+		if (!turns_seen)
+			particle->offset_rad = wrap_rad(particle->offset_rad + street_rad(match, particle) - before_rad);
 	}
+	/* the next fix tells more than the belief does, even standing */
+	match->since_gnss_m = fmax(match->since_gnss_m, GNSS_REST_M);
+	match->spread = match->spread || !turns_seen;
 	if (match->located)
 		estimate(match, &no_hints);
 }

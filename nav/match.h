@@ -48,6 +48,7 @@ struct match {
 	double pending_m, pending_rad, pending_s, pending_unknown_rad;
 	double since_gnss_m;
 	uint32_t gnss_far;
+	bool spread;         /* over a way that nobody saw, and no fix since */
 	double misfit;       /* smoothed over the last 20 m; above 8 the street does not fit */
 	double misfit_m;     /* travelled since the last placing, up to 1e6 */
 	double off_street_m; /* travelled since the street was lost */
@@ -78,15 +79,16 @@ bool match_place_near(struct match *match, struct dvec2 at_m, double radius_m, b
 void match_update(struct match *match, const struct reckon *reckon, const struct reckon_step *step, bool turn_known,
 	const struct match_hints *hints);
 
-/* A satellite fix. Ignored while standing unless the place was unknown. */
+/* A satellite fix. Ignored while standing, unless the place was unknown or the car went on unseen. */
 void match_gnss(struct match *match, const struct reckon *reckon, struct dvec2 at_m, double sigma_m);
 
 /* Beside the streets, on ground that no street of the graph runs over; a street is looked for from there. The nearest
  * one counts as the place on the graph. Returns false, changing nothing, when none is within `radius_m`. */
 bool match_place_off(struct match *match, struct dvec2 at_m, double radius_m, int32_t heading_bam);
 
-/* The car went on unseen, by up to `by_m`. Costs a few ms for a kilometre; farther is taken as that. */
-void match_blur(struct match *match, double by_m);
+/* The car went on unseen, by up to `by_m`. Without `turns_seen` the reckoned heading is of before, and the streets that
+ * it may have taken say how it turned. Costs a few ms for a kilometre; farther is taken as that. */
+void match_blur(struct match *match, double by_m, bool turns_seen);
 
 /* The reckoned heading was corrected by `rad`. */
 void match_heading_corrected(struct match *match, double rad);

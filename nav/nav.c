@@ -92,6 +92,15 @@ static void place_on_lane(struct nav *nav, bool heading)
 	nav->height_m = pose.at_m.z;
 }
 
+/* The shown pose becomes the matched one at once. */
+static void place_as_matched(struct nav *nav)
+{
+	double turn = nav->match.offset_rad;
+	place_on_lane(nav, false);
+	reckon_turn(&nav->reckon, turn);
+	match_heading_corrected(&nav->match, turn);
+}
+
 static struct dvec2 reckoned_m(const struct nav *nav)
 {
 	return (struct dvec2){ (double)nav->reckon.pos_mm[0] * 1e-3, (double)nav->reckon.pos_mm[1] * 1e-3 };
@@ -155,6 +164,18 @@ static void learn_scale(struct nav *nav, struct dvec2 at, double sigma_m)
 	nav->stretch_m = nav->stretch_turn_rad = 0.0;
 }
 
+/* The first fix after a way that nobody saw: the shown pose does not wait for the car to move on. */
+static void find_after_unseen(struct nav *nav, struct dvec2 at, double sigma)
+{
+	nav->moved_unseen = false;
+	if (!nav->match.on_street)
+		return;
+	if (!nav->match.gnss_far)
+		place_as_matched(nav);
+	else if (match_place_near(&nav->match, at, fmin(15.0 + 3.0 * sigma, 60.0), true, nav->reckon.heading_bam))
+		placed(nav, true);
+}
+
 /* The first fix says where we are, later ones help the matching. */
 static void take_fix(struct nav *nav, const struct nav_input *input)
 {
@@ -183,7 +204,9 @@ static void take_fix(struct nav *nav, const struct nav_input *input)
 	match_gnss(&nav->match, &nav->reckon, at, sigma);
 	if (!nav->match.on_street && nav->reckon.still_s <= 0.0)
 		doubt_fix(nav, at, sigma);
-	if (half != nav->match.half && nav->match.since_gnss_m == 0.0 && nav->match.gnss_far)
+	if (nav->moved_unseen)
+		find_after_unseen(nav, at, sigma);
+	else if (half != nav->match.half && nav->match.since_gnss_m == 0.0 && nav->match.gnss_far)
 		place_on_lane(nav, false);
 }
 
@@ -210,7 +233,7 @@ static void pull(struct nav *nav, const struct reckon_step *step)
 	double east = lane.x - here.x, north = lane.y - here.y;
 	nav->height_m = pose.at_m.z;
 	if (hypot(east, north) > JUMP_M) {
-		place_on_lane(nav, false);
+		place_as_matched(nav);
 		return;
 	}
 	/* In a tight corner the reckoned arc is truer than the street's kink. */

@@ -298,6 +298,62 @@ static void kilometres_driven_unseen_make_a_remembered_place_doubtful(void **sta
 	ride_end(&ride);
 }
 
+/* Killed on a street, started again after a corner: a fix shows the car on the new street, looking along it. */
+static void after_a_corner_driven_unseen_the_car_looks_along_its_new_street(void **state)
+{
+	static const struct {
+		double speed_mps, driven_m; /* after the fix */
+	} cases[] = { { 0.0, 0.0 }, { 2.0, 5.0 }, { 10.0, 8.0 } };
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		struct ride ride, next;
+		struct nav_memory memory;
+		ride_start(&ride, streets_grid(4, 200), true);
+		nav_set_start_half(&ride.nav, streets_half(ride.streets, 0, 1), 150.0); /* eastwards */
+		assert_true(nav_remember(&ride.nav, &memory));
+		begin_again(&next, streets_grid(4, 200));
+		assert_true(nav_restore(&next.nav, &memory, true));
+		nav_moved_unseen(&next.nav, 130.0); /* 50 m to the corner, 80 m northwards */
+		next.halves[0] = streets_half(next.streets, 1, 5);
+		next.count = 1;
+		next.at_m = 80.0;
+		ride_stand(&next, 0.5);
+		tell_fix(&next, 203.0, 81.0, 4.0);
+		ride_stand(&next, 0.5);
+		if (cases[i].driven_m > 0.0)
+			ride_drive(&next, cases[i].driven_m, cases[i].speed_mps);
+		struct nav_view view = view_of(&next);
+		assert_int_equal(view.half, next.halves[0]);
+		assert_near(bam_to_rad(view.heading_bam), 0.0, 0.15);
+		assert_near((double)view.pos_mm[0] * 1e-3, 200.0, 6.0);
+		assert_near((double)view.pos_mm[1] * 1e-3, 80.0 + cases[i].driven_m, 15.0);
+		ride_end(&next);
+		ride_end(&ride);
+	}
+}
+
+/* Without a satellite too: when the shown place jumps to where the matching says, the heading does. */
+static void a_place_that_jumps_looks_along_its_street(void **state)
+{
+	(void)state;
+	struct ride ride;
+	struct nav_memory memory;
+	ride_start(&ride, long_street(200.0), true);
+	nav_set_start_half(&ride.nav, 0, 190.0); /* eastwards, 10 m to the only corner */
+	assert_true(nav_remember(&ride.nav, &memory));
+	assert_true(nav_restore(&ride.nav, &memory, true));
+	nav_moved_unseen(&ride.nav, 250.0);
+	ride.halves[0] = 2;
+	ride.count = 1;
+	ride.at_m = 130.0;
+	ride_drive(&ride, 1.0, 5.0);
+	struct nav_view view = view_of(&ride);
+	assert_int_equal(view.half, 2);
+	assert_true(view.pos_mm[1] > 50000);
+	assert_near(bam_to_rad(view.heading_bam), 0.0, 0.2);
+	ride_end(&ride);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -310,6 +366,8 @@ int main(void)
 		cmocka_unit_test(another_city_or_nonsense_is_not_restored),
 		cmocka_unit_test(a_fix_elsewhere_refutes_a_remembered_place_even_standing),
 		cmocka_unit_test(kilometres_driven_unseen_make_a_remembered_place_doubtful),
+		cmocka_unit_test(after_a_corner_driven_unseen_the_car_looks_along_its_new_street),
+		cmocka_unit_test(a_place_that_jumps_looks_along_its_street),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
