@@ -33,6 +33,7 @@ static int open_bus(struct inputs *inputs, const struct options *options, struct
 	/* A board whose kernel has no CAN still shows its picture, and says so in it. */
 	inputs->bus_missing = status < 0 && !options->replay && !options->can_count;
 	inputs->bus_missing_ns = clock_now_ns();
+	inputs->machine_fault = status < 0 && !options->replay;
 	return inputs->bus_missing ? 0 : status;
 }
 
@@ -49,6 +50,7 @@ static int open_recorder(struct inputs *inputs, const struct options *options, s
 	int status = can_record_open(&inputs->recorder, &config, arena);
 	if (status < 0)
 		log_error("%s: cannot write: %s", options->record, strerror(-status));
+	inputs->machine_fault = status < 0;
 	return status;
 }
 

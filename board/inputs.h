@@ -32,6 +32,7 @@ struct inputs {
 	int64_t bus_missing_ns;      /* since then */
 	struct can_record *recorder; /* NULL: not recording */
 	int64_t now_ns;              /* how far the navigation has got */
+	bool machine_fault;          /* what failed to open is no file that was to be read: bus, recording */
 	int read_error;              /* first -errno of the bus; it is not read again after that */
 	struct can_frame_rx batch[INPUTS_BATCH];
 };

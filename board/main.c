@@ -236,8 +236,7 @@ static int start(struct machine *m)
 		return status == -EINVAL ? EXIT_CODE_BAD_INPUT : EXIT_CODE_FAILED;
 	status = inputs_open(&m->inputs, &m->options, &m->profile, NULL, &m->boot);
 	if (status < 0)
-		return status == -ENOMEM || (m->options.can_count && !m->options.replay) ? EXIT_CODE_FAILED
-																				 : EXIT_CODE_BAD_INPUT;
+		return status == -ENOMEM || m->inputs.machine_fault ? EXIT_CODE_FAILED : EXIT_CODE_BAD_INPUT;
 	status = controls_open(&m->controls, &m->options, &m->profile, m->simulated, controls_time(m, 0), &m->boot);
 	if (status < 0)
 		return status == -ENOMEM ? EXIT_CODE_FAILED : EXIT_CODE_BAD_INPUT;

@@ -51,7 +51,7 @@ struct display_config {
 	const char *connector;        /* "HDMI-A-1"; default the first that is connected */
 	const char *mode;             /* "1280x720@60", "1280x720"; default the one that the panel prefers */
 	const char *vt;               /* "/dev/tty1"; default the active one, "none" leaves the terminals alone */
-	const char *backlight;        /* folder under /sys/class/backlight; default none */
+	const char *backlight;        /* folder under /sys/class/backlight, or a path; default none */
 	unsigned rotation_deg;        /* clockwise: 0, 90, 180, 270 */
 	enum display_buffers buffers; /* default: whatever works */
 };

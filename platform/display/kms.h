@@ -132,8 +132,8 @@ enum kms_dim_way { KMS_DIM_BACKLIGHT, KMS_DIM_DEVICE, KMS_DIM_DRAWN };
 struct kms_dim {
 	enum kms_dim_way way;
 	int backlight_fd; /* -1 none */
-	unsigned backlight_max;
-	float wanted, shown; /* 0 to 1 */
+	unsigned backlight_max, backlight_found;
+	float wanted, shown; /* 0 to 1; below 0: nothing was asked for yet */
 	uint32_t blob;       /* property value in use */
 };
 

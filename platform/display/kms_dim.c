@@ -15,10 +15,16 @@
 
 #define STEP (1.0f / 128.0f) /* smaller changes cannot be seen */
 
-static unsigned read_max(const char *name)
+/* A name is that of a folder of the kernel's; a path is taken as it is. */
+static void backlight_path(char path[256], const char *backlight, const char *file)
+{
+	snprintf(path, 256, "%s%s/%s", backlight[0] == '/' ? "" : "/sys/class/backlight/", backlight, file);
+}
+
+static unsigned read_number(const char *backlight, const char *file)
 {
 	char path[256], text[16] = "";
-	snprintf(path, sizeof(path), "/sys/class/backlight/%s/max_brightness", name);
+	backlight_path(path, backlight, file);
 	int fd = open(path, O_RDONLY | O_CLOEXEC);
 	if (fd < 0)
 		return 0;
@@ -27,50 +33,62 @@ static unsigned read_max(const char *name)
 	return size > 0 ? (unsigned)strtoul(text, NULL, 10) : 0;
 }
 
-static bool open_backlight(struct kms_dim *dim, const char *name)
+static bool open_backlight(struct kms_dim *dim, const char *backlight)
 {
 	char path[256];
-	dim->backlight_max = read_max(name);
-	snprintf(path, sizeof(path), "/sys/class/backlight/%s/brightness", name);
+	dim->backlight_max = read_number(backlight, "max_brightness");
+	dim->backlight_found = read_number(backlight, "brightness");
+	backlight_path(path, backlight, "brightness");
 	dim->backlight_fd = dim->backlight_max ? open(path, O_WRONLY | O_CLOEXEC) : -1;
 	if (dim->backlight_fd < 0)
 		log_warn("%s: %s; dimming the picture instead", path, strerror(errno));
 	return dim->backlight_fd >= 0;
 }
 
+static bool write_backlight(const struct kms_dim *dim, unsigned value)
+{
+	char text[16];
+	int size = snprintf(text, sizeof(text), "%u\n", value);
+	return pwrite(dim->backlight_fd, text, (size_t)size, 0) == size;
+}
+
+/* Dark is for standby; a panel that is only dimmed is never quite off, because that looks broken. */
+static unsigned backlight_value(const struct kms_dim *dim, float level)
+{
+	unsigned value = (unsigned)lroundf(level * (float)dim->backlight_max);
+	return value || level <= 0.0f ? value : 1;
+}
+
 void kms_dim_open(struct kms *kms)
 {
 	struct kms_dim *dim = &kms->dim;
 	*dim = (struct kms_dim){ .way = KMS_DIM_DEVICE, .backlight_fd = -1, .wanted = 1.0f, .shown = 1.0f };
-	if (kms->config->backlight && open_backlight(dim, kms->config->backlight))
+	if (kms->config->backlight && open_backlight(dim, kms->config->backlight)) {
 		dim->way = KMS_DIM_BACKLIGHT;
+		dim->shown = -1.0f; /* whoever was killed in standby left it dark */
+	}
 }
 
 void kms_dim_close(struct kms *kms)
 {
-	if (kms->dim.way == KMS_DIM_DEVICE && kms->dim.shown < 1.0f)
-		kms_dim_set(kms, 1.0f); /* whoever comes next does not know */
-	if (kms->dim.backlight_fd >= 0)
-		close(kms->dim.backlight_fd);
-	kms->dim.backlight_fd = -1;
-	if (kms->dim.blob)
-		kms->drm->destroy_blob(kms->fd, kms->dim.blob);
-	kms->dim.blob = 0;
-}
-
-/* Never quite off: a panel that is dark looks broken. */
-static bool write_backlight(const struct kms_dim *dim)
-{
-	char text[16];
-	unsigned value = (unsigned)lroundf(dim->wanted * (float)dim->backlight_max);
-	int size = snprintf(text, sizeof(text), "%u\n", value ? value : 1);
-	return pwrite(dim->backlight_fd, text, (size_t)size, 0) == size;
+	struct kms_dim *dim = &kms->dim;
+	/* whoever comes next does not know */
+	if (dim->way == KMS_DIM_DEVICE && dim->shown < 1.0f)
+		kms_dim_set(kms, 1.0f);
+	if (dim->backlight_fd >= 0 && dim->way == KMS_DIM_BACKLIGHT && dim->shown <= 0.0f)
+		write_backlight(dim, dim->backlight_found ? dim->backlight_found : dim->backlight_max);
+	if (dim->backlight_fd >= 0)
+		close(dim->backlight_fd);
+	dim->backlight_fd = -1;
+	if (dim->blob)
+		kms->drm->destroy_blob(kms->fd, dim->blob);
+	dim->blob = 0;
 }
 
 static void apply(struct kms *kms)
 {
 	struct kms_dim *dim = &kms->dim;
-	if (dim->way == KMS_DIM_BACKLIGHT && !write_backlight(dim)) {
+	if (dim->way == KMS_DIM_BACKLIGHT && !write_backlight(dim, backlight_value(dim, dim->wanted))) {
 		log_warn("the backlight cannot be set (%s); dimming the picture instead", strerror(errno));
 		dim->way = KMS_DIM_DEVICE;
 	}

@@ -99,6 +99,11 @@ printf '[display]\nwidth = lots\n' >broken.ini
 expect 3 broken.ini "$boulevard" good.blvd --replay good.candump --headless --profile broken.ini --limit 1
 expect 3 missing.ini "$boulevard" good.blvd --replay good.candump --headless --profile missing.ini --limit 1
 
+# live too: a file that is asked for is there, or nothing is begun
+expect 3 missing.gnss "$boulevard" good.blvd --replay good.candump --headless --gnss missing.gnss --limit 1
+expect 3 missing.gnss "$boulevard" good.blvd --can unix:bus --headless --size 64x64 --gnss missing.gnss --limit 1
+expect 3 missing.dbc "$boulevard" good.blvd --can unix:bus --headless --size 64x64 --dbc missing.dbc --limit 1
+
 # nonsense in a log is counted, not fatal
 { cat good.candump; echo 'nonsense'; echo '(1.0) can0 ZZZ#00'; echo '(2'; } >noisy.candump
 expect 0 '' "$boulevard" good.blvd --replay noisy.candump --headless --size 64x64 --fps 5 --stats stats.json
@@ -115,6 +120,8 @@ expect 0 '' "$boulevard" cells.blvd --replay good.candump --headless --size 64x6
 # a folder that cannot be written
 expect 1 '/nonexistent' "$blvd" bake -q "$2/tests/tools/data/crossing.osm" -o /nonexistent/x.blvd
 expect 1 '/nonexistent' "$boulevard" good.blvd --replay good.candump --headless --size 64x64 --limit 1 --frames /nonexistent/frames
+
+expect 1 '/nonexistent' "$boulevard" good.blvd --can unix:bus --headless --size 64x64 --limit 1 --record /nonexistent/log
 
 # a profile that names no signals: a car that says nothing is a state
 printf '[display]\nnonsense = 1\n' >silent.ini
