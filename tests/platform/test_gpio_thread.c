@@ -262,7 +262,7 @@ static void a_full_ring_drops_and_then_tells_the_level(void **state)
 			pause_ms(2);
 	}
 	pause_ms(100);
-	assert_int_equal(read_all(), 4096);
+	assert_in_range(read_all(), 4096, 8191); /* a slow reader gets what comes while it reads, too */
 	for (int ms = 0; ms < 1500 && !gpio->lines[REVERSE].level; ms++) {
 		pause_ms(1);
 		read_all();

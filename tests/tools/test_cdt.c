@@ -93,7 +93,7 @@ static void run_random_case(uint64_t seed)
 	cdt_finish(&cdt);
 }
 
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define CASES 100000
 #else
 #define CASES 1000000
