@@ -163,8 +163,9 @@ void far_cells_select(struct far_cells *cells, const struct repr_place *place)
 	cells->split_m = choose_split(cells, place->view);
 	struct repr_counts *counts = &cells->repr->counts;
 	counts->triangles = counts->missing = 0;
-	counts->late = cells->late;
-	counts->fallback = cells->late || cells->rung != CELLS_INSIDE;
+	cells->placed = !place->nav || place->nav->located;
+	counts->late = cells->late && cells->placed;
+	counts->fallback = counts->late || (cells->rung != CELLS_INSIDE && cells->placed);
 	struct cell_cache_stats loading;
 	cell_cache_stats(cells->cache, &loading);
 	counts->damaged = loading.damaged;
@@ -188,7 +189,7 @@ void far_cells_emit_near(struct far_cells *cells, const struct view *view, struc
 	} else {
 		emit_around(cells, view, cells->rung == CELLS_BESIDE ? AROUND_M : repr->config.far_m * 2.0, list);
 	}
-	if (repr->counts.missing)
+	if (repr->counts.missing && cells->placed)
 		repr->counts.fallback = repr->counts.late = true;
 }
 

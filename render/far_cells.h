@@ -6,6 +6,8 @@
  *   CELLS_INSIDE   the eye is in the view cell: its local model, and what stands for the distance
  *   CELLS_BESIDE   outside, but near: all geometry around the eye, and what stands for the distance seen from the cell
  *   CELLS_OUTSIDE  far from any view cell, high above, or nothing has been loaded yet: all geometry that is resident
+ * Until the car's place is known no stretch belongs to the picture, so nothing stands in for one: all geometry that
+ * is resident is what there is to see, and no fallback.
  */
 #ifndef BLVD_RENDER_FAR_CELLS_H
 #define BLVD_RENDER_FAR_CELLS_H
@@ -29,6 +31,7 @@ struct far_cells {
 	enum cells_rung rung;
 	bool distant_chunks; /* visible sets have no vertices of their own */
 	bool late;           /* a better one is wanted than the one that is drawn */
+	bool placed;         /* it is known where the car is, or the eye was chosen */
 	double split_m;
 };
 

@@ -61,6 +61,7 @@ struct renderer {
 	struct view view;
 	struct light_state light;
 	bool primed;          /* the first frame has loaded all that it wanted */
+	bool placed;          /* it was known where the car is */
 	int64_t loaded_mm[3]; /* the eye when last loaded for */
 };
 
@@ -279,12 +280,13 @@ static void write_frame_block(struct renderer *renderer, const struct renderer_t
 	gfx_buffer_write(renderer->gfx, renderer->frame_block, 0, &block, sizeof(block));
 }
 
-/* What stands for the distance, and the geometry that it leaves to be drawn. After a jump of the eye the frame waits
- * for what it wants; otherwise loading keeps to its slice. */
+/* What stands for the distance, and the geometry that it leaves to be drawn. After a jump of the eye, and when the
+ * car has been found, the frame waits for what it wants; otherwise loading keeps to its slice. */
 static void load(struct renderer *renderer, const struct nav_view *nav, int64_t time_ns)
 {
 	const int64_t *eye_mm = renderer->view.eye_mm;
-	bool jumped = !renderer->primed;
+	bool placed = nav && nav->located;
+	bool jumped = !renderer->primed || (placed && !renderer->placed);
 	for (int axis = 0; axis < 3; axis++)
 		jumped = jumped || llabs(eye_mm[axis] - renderer->loaded_mm[axis]) > JUMP_MM;
 	struct repr *repr = &renderer->scene.repr;
@@ -306,6 +308,7 @@ static void load(struct renderer *renderer, const struct nav_view *nav, int64_t 
 		near_mesh_load_textures(mesh);
 	memcpy(renderer->loaded_mm, eye_mm, sizeof(renderer->loaded_mm));
 	renderer->primed = true;
+	renderer->placed = placed;
 }
 
 static void update_overlay(struct renderer *renderer, const struct nav_view *nav, const struct renderer_time *time)

@@ -198,6 +198,27 @@ static void beside_the_street_all_geometry_around_stands_in(void **state)
 	stop(&f);
 }
 
+static void without_a_place_nothing_falls_back_and_then_the_first_picture_has_its_cell(void **state)
+{
+	(void)state;
+	struct fixture f;
+	start(&f, &street, &(struct renderer_config){ .far_name = "impostor" });
+	struct nav_view nowhere = { .half = PKG_NONE, .ambient = -1.0 };
+	for (int i = 0; i < 3; i++) {
+		struct renderer_time time = { .time_ns = f.time_ns, .ambient = -1.0 };
+		renderer_draw(f.renderer, &nowhere, &time);
+		renderer_stats(f.renderer, &f.stats);
+		f.time_ns += FRAME_NS;
+		assert_int_equal(f.stats.far_triangles, 0);
+		assert_true(f.stats.triangles > 0);
+		assert_false(f.stats.far_fallback || f.stats.far_late);
+	}
+	frame(&f, 610.0, 0.0, EAST);
+	assert_int_equal(f.stats.far_triangles, IMPOSTOR_TRIANGLES);
+	assert_false(f.stats.far_fallback || f.stats.far_late);
+	stop(&f);
+}
+
 static void what_is_not_loaded_in_time_is_late_until_it_is(void **state)
 {
 	(void)state;
@@ -310,6 +331,7 @@ int main(void)
 		cmocka_unit_test(the_old_impostor_dissolves_for_a_fifth_of_a_second),
 		cmocka_unit_test(turning_round_shows_the_other_cell_too),
 		cmocka_unit_test(beside_the_street_all_geometry_around_stands_in),
+		cmocka_unit_test(without_a_place_nothing_falls_back_and_then_the_first_picture_has_its_cell),
 		cmocka_unit_test(what_is_not_loaded_in_time_is_late_until_it_is),
 		cmocka_unit_test(geometry_cells_and_coarse_cells_show_their_visible_set),
 		cmocka_unit_test(a_package_without_a_far_field_has_no_impostors),
