@@ -1,5 +1,6 @@
 /* The toolbox: one program, one subcommand a job. Each cmd_*.c parses its own arguments with argp. */
 #include <argp.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -45,6 +46,7 @@ int main(int argc, char **argv)
 {
 	log_init("blvd", LOG_INFO);
 	argp_err_exit_status = EXIT_USAGE;
+	signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error to its writer, no more */
 	if (argc < 2) {
 		print_usage(stderr);
 		return EXIT_USAGE;

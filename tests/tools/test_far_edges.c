@@ -123,7 +123,7 @@ static const struct place places[PLACES] = {
 	[POLE] = { "pole", { 89.9, 20.0 }, write_street, { "--far", "pvs", NEAR } },
 	[LONE] = { "lone", { 46.0, 6.0 }, write_lone_house, { ALL } },
 	[EMPTY] = { "empty", { 46.0, 6.0 }, write_no_house, { ALL } },
-	[LONG] = { "long", { 46.0, 6.0 }, write_long_street, { NULL } },
+	[LONG] = { "long", { 46.0, 6.0 }, write_long_street, { "--far", "all", "--near", "2000", "--truth" } },
 	[CROWDED] = { "crowded", { 46.0, 6.0 }, write_crowded_block,
 		{ "--far", "all", NEAR, "--truth", "--cells", "0-0" } },
 	/* from the first one's package */
@@ -422,6 +422,50 @@ static void a_street_of_ten_kilometres_is_one_edge(void **state)
 	close_easel(&full);
 }
 
+/* The magnification rule cuts it, and what it stores is bounded by its length. */
+static void a_street_of_ten_kilometres_is_baked_in_stretches(void **state)
+{
+	(void)state;
+	const struct pkg *pkg = &cities[LONG];
+	uint32_t at_mm = 0;
+	uint64_t bytes = 0;
+	assert_in_range(pkg->stretch_count, 10000 / 60, 10040 / 60 + 2);
+	for (uint32_t i = 0; i < pkg->stretch_count; i++) {
+		const struct pkg_stretch *stretch = &pkg->stretches[i];
+		assert_int_equal(stretch->from_mm, at_mm);
+		assert_in_range(stretch->to_mm - stretch->from_mm, 1, 60000);
+		at_mm = stretch->to_mm;
+		bytes += stretch->local.stored_bytes + stretch->pvs.stored_bytes;
+		for (int side = 0; side < 2; side++)
+			bytes += pkg->cells[2 * i + (uint32_t)side].impostor.stored_bytes;
+	}
+	assert_int_equal(at_mm, pkg->graph.edges[pkg->stretches[0].edge].length_mm);
+	print_message("%u stretches, %llu bytes\n", pkg->stretch_count, (unsigned long long)bytes);
+	assert_true(bytes < (uint64_t)pkg->stretch_count * 4096); /* there is not much to see */
+	/* and no more of it has to be resident than of a lane */
+	assert_true(pkg->meta->resident_bound_bytes < cities[OCEAN].meta->resident_bound_bytes);
+}
+
+static void a_street_of_ten_kilometres_is_driven_by_its_cells(void **state)
+{
+	(void)state;
+	assert_complete_along(LONG, -4990.0, 4990.0);
+	struct easel shown = open_easel(LONG, "impostor", false);
+	struct renderer_stats stats;
+	for (uint32_t i = 0; i < cities[LONG].stretch_count; i += 4) {
+		const struct pkg_stretch *stretch = &cities[LONG].stretches[i];
+		struct camera_pose pose = { .heading_rad = i % 8 ? EAST : WEST, .fov_rad = FOV_RAD };
+		for (int axis = 0; axis < 3; axis++)
+			pose.eye_mm[axis] = ((int64_t)stretch->start_mm[axis] + stretch->end_mm[axis]) / 2;
+		pose.eye_mm[2] += 2500;
+		draw(&shown, &pose);
+		renderer_stats(shown.renderer, &stats);
+		assert_false(stats.far_fallback);
+	}
+	assert_int_equal(stats.far_entered, (cities[LONG].stretch_count + 3) / 4);
+	close_easel(&shown);
+}
+
 static void a_million_triangles_in_one_block(void **state)
 {
 	(void)state;
@@ -621,6 +665,8 @@ int main(void)
 		cmocka_unit_test(one_building_is_seen_from_afar),
 		cmocka_unit_test(a_town_without_buildings_is_land_and_street),
 		cmocka_unit_test(a_street_of_ten_kilometres_is_one_edge),
+		cmocka_unit_test(a_street_of_ten_kilometres_is_baked_in_stretches),
+		cmocka_unit_test(a_street_of_ten_kilometres_is_driven_by_its_cells),
 		cmocka_unit_test(a_million_triangles_in_one_block),
 		cmocka_unit_test(a_wall_at_the_near_plane_hides_what_is_behind_it),
 		cmocka_unit_test(every_field_of_view_is_complete),
