@@ -451,7 +451,7 @@ static void a_street_of_ten_kilometres_is_driven_by_its_cells(void **state)
 	(void)state;
 	assert_complete_along(LONG, -4990.0, 4990.0);
 	struct easel shown = open_easel(LONG, "impostor", false);
-	struct renderer_stats stats;
+	struct renderer_stats stats = { 0 };
 	for (uint32_t i = 0; i < cities[LONG].stretch_count; i += 4) {
 		const struct pkg_stretch *stretch = &cities[LONG].stretches[i];
 		struct camera_pose pose = { .heading_rad = i % 8 ? EAST : WEST, .fov_rad = FOV_RAD };
