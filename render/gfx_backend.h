@@ -22,7 +22,9 @@ struct gfx_target_slot {
 	uint32_t width, height;      /* of the part in use */
 	uint32_t framebuffer, resolve_framebuffer;
 	uint32_t color, depth; /* renderbuffers; color is 0 without multisampling */
-	uint32_t ids;          /* renderbuffer, or 0 */
+	uint32_t samples;      /* texture instead of `color`, with what averages it; or 0 */
+	uint32_t resolve_program, resolve_vertices;
+	uint32_t ids; /* renderbuffer, or 0 */
 	gfx_texture texture;
 };
 struct gfx_program_slot {

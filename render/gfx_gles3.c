@@ -3,8 +3,8 @@
  * sorted draw list costs one GL call a draw. What is newer than ES 3.0 is probed into struct gfx_caps and has a way
  * round.
  */
-#include <GLES3/gl3.h>
-/* after gl3.h */
+#include <GLES3/gl31.h> /* names only: what is called is of 3.0, or asked for */
+/* after it */
 #include <GLES2/gl2ext.h>
 #include <errno.h>
 #include <stdio.h>
@@ -17,10 +17,13 @@
 
 #define DECODED_TEXELS 16384 /* blocks become texels in strips of so many at most */
 
+typedef void (*storage_samples_fn)(
+	GLenum target, GLsizei samples, GLenum internal, GLsizei width, GLsizei height, GLboolean fixed);
 typedef void (*draw_base_vertex_fn)(GLenum mode, GLsizei count, GLenum type, const void *indices, GLint base_vertex);
 
 struct gles3 {
 	draw_base_vertex_fn draw_base_vertex;
+	storage_samples_fn storage_samples; /* NULL: samples are averaged by a blit */
 	PFNGLEGLIMAGETARGETTEXTURE2DOESPROC image_target;
 	GLuint program, vertex_array, draw_framebuffer;
 	GLuint textures[GFX_TEXTURES_MAX];
@@ -106,6 +109,9 @@ static void probe(struct gfx *gfx, struct gles3 *gl, int version)
 	caps->anisotropy = !caps->software && has_extension("GL_EXT_texture_filter_anisotropic");
 	if (caps->anisotropy)
 		glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY_EXT, &caps->max_anisotropy);
+	/* Mesa keeps no compiled shader for its blit: 40 ms of every start */
+	if (caps->software && version >= 31 && gfx->config.get_proc)
+		gl->storage_samples = (storage_samples_fn)gfx->config.get_proc("glTexStorage2DMultisample");
 	caps->clip_control = has_extension("GL_EXT_clip_control");
 	if (gfx->config.get_proc && has_extension("GL_OES_EGL_image_external_essl3"))
 		gl->image_target = (PFNGLEGLIMAGETARGETTEXTURE2DOESPROC)gfx->config.get_proc("glEGLImageTargetTexture2DOES");
@@ -351,6 +357,10 @@ static void gles3_target_destroy(struct gfx *gfx, struct gfx_target_slot *slot)
 		glDeleteFramebuffers(1, &slot->framebuffer);
 	glDeleteFramebuffers(1, &slot->resolve_framebuffer);
 	glDeleteRenderbuffers(1, &slot->depth);
+	glDeleteTextures(1, &slot->samples); /* 0: nothing */
+	glDeleteProgram(slot->resolve_program);
+	glDeleteVertexArrays(1, &slot->resolve_vertices);
+	gl->program = gl->vertex_array = 0;
 	if (slot->color)
 		glDeleteRenderbuffers(1, &slot->color);
 	if (slot->ids)
@@ -366,7 +376,36 @@ static void attach_ids(struct gfx_target_slot *slot)
 	glDrawBuffers(2, both);
 }
 
-static void attach(struct gfx_target_slot *slot, GLuint texture)
+static int link_program(GLuint program, const struct gfx_program_desc *desc, const char *version);
+
+/* The colours as a texture of samples and a program that averages them; false: by a blit then. */
+static bool attach_samples(struct gles3 *gl, struct gfx_target_slot *slot)
+{
+	char defines[64];
+	snprintf(defines, sizeof(defines), "#define NO_FRAME_BLOCK 1\n#define SAMPLES %u\n", slot->desc.samples);
+	struct gfx_program_desc desc = { .vertex = "resolve.vert", .fragment = "resolve.frag", .defines = defines };
+	if (!gl->storage_samples || slot->desc.ids)
+		return false;
+	slot->resolve_program = glCreateProgram();
+	if (link_program(slot->resolve_program, &desc, "310 es")) {
+		glDeleteProgram(slot->resolve_program);
+		slot->resolve_program = 0;
+		return false;
+	}
+	glUseProgram(slot->resolve_program);
+	gl->program = slot->resolve_program;
+	glUniform1i(glGetUniformLocation(slot->resolve_program, "u_samples"), GFX_TEXTURES_MAX);
+	glGenVertexArrays(1, &slot->resolve_vertices);
+	glGenTextures(1, &slot->samples);
+	glActiveTexture(GL_TEXTURE0 + GFX_TEXTURES_MAX);
+	glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, slot->samples);
+	gl->storage_samples(GL_TEXTURE_2D_MULTISAMPLE, (GLsizei)slot->desc.samples, GL_RGBA8, (GLsizei)slot->desc.width,
+		(GLsizei)slot->desc.height, GL_TRUE);
+	glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D_MULTISAMPLE, slot->samples, 0);
+	return true;
+}
+
+static void attach(struct gles3 *gl, struct gfx_target_slot *slot, GLuint texture)
 {
 	glGenFramebuffers(1, &slot->resolve_framebuffer);
 	glBindFramebuffer(GL_FRAMEBUFFER, slot->resolve_framebuffer);
@@ -377,10 +416,12 @@ static void attach(struct gfx_target_slot *slot, GLuint texture)
 		GLint granted = 0;
 		glGetRenderbufferParameteriv(GL_RENDERBUFFER, GL_RENDERBUFFER_SAMPLES, &granted);
 		slot->desc.samples = (uint32_t)granted;
-		slot->color = make_renderbuffer(GL_RGBA8, &slot->desc);
 		glGenFramebuffers(1, &slot->framebuffer);
 		glBindFramebuffer(GL_FRAMEBUFFER, slot->framebuffer);
-		glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, slot->color);
+		if (!attach_samples(gl, slot)) {
+			slot->color = make_renderbuffer(GL_RGBA8, &slot->desc);
+			glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, slot->color);
+		}
 	}
 	if (slot->desc.ids)
 		attach_ids(slot);
@@ -392,7 +433,7 @@ static int gles3_target_create(struct gfx *gfx, struct gfx_target_slot *slot, st
 	int err = gles3_texture_create(gfx, texture);
 	if (err)
 		return err;
-	attach(slot, texture->native);
+	attach(gfx->impl, slot, texture->native);
 	if (glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE && glGetError() == GL_NO_ERROR)
 		return 0;
 	gles3_target_destroy(gfx, slot);
@@ -409,7 +450,7 @@ static const char *shader_text(const char *name)
 }
 
 /* The text GL sees: version, the program's defines, prelude.glsl, the file. */
-static GLuint compile(GLenum stage, const char *name, const char *defines)
+static GLuint compile(GLenum stage, const char *name, const char *defines, const char *version)
 {
 	const char *text = shader_text(name), *prelude = shader_text("prelude.glsl");
 	if (!text || !prelude) {
@@ -417,7 +458,8 @@ static GLuint compile(GLenum stage, const char *name, const char *defines)
 		return 0;
 	}
 	const char *stage_define = stage == GL_VERTEX_SHADER ? "#define VERTEX 1\n" : "#define FRAGMENT 1\n";
-	const char *parts[] = { "#version 300 es\n", stage_define, defines ? defines : "", prelude, "#line 1\n", text };
+	const char *parts[] = { "#version ", version, "\n", stage_define, defines ? defines : "", prelude, "#line 1\n",
+		text };
 	GLuint shader = glCreateShader(stage);
 	glShaderSource(shader, (GLsizei)(sizeof(parts) / sizeof(parts[0])), parts, NULL);
 	glCompileShader(shader);
@@ -432,10 +474,10 @@ static GLuint compile(GLenum stage, const char *name, const char *defines)
 	return 0;
 }
 
-static int link_program(GLuint program, const struct gfx_program_desc *desc)
+static int link_program(GLuint program, const struct gfx_program_desc *desc, const char *version)
 {
-	GLuint vertex = compile(GL_VERTEX_SHADER, desc->vertex, desc->defines);
-	GLuint fragment = vertex ? compile(GL_FRAGMENT_SHADER, desc->fragment, desc->defines) : 0;
+	GLuint vertex = compile(GL_VERTEX_SHADER, desc->vertex, desc->defines, version);
+	GLuint fragment = vertex ? compile(GL_FRAGMENT_SHADER, desc->fragment, desc->defines, version) : 0;
 	if (!fragment) {
 		glDeleteShader(vertex);
 		return -EINVAL;
@@ -459,7 +501,7 @@ static int gles3_program_create(struct gfx *gfx, struct gfx_program_slot *slot)
 {
 	struct gles3 *gl = gfx->impl;
 	slot->native = glCreateProgram();
-	int err = link_program(slot->native, &slot->desc);
+	int err = link_program(slot->native, &slot->desc, "300 es");
 	if (err) {
 		glDeleteProgram(slot->native);
 		return err;
@@ -700,13 +742,32 @@ static void gles3_draw(struct gfx *gfx, const struct gfx_draw *draw)
 		glDrawElements(mode, (GLsizei)draw->count, type, first);
 }
 
+/* The viewport is that of the pass. */
+static void average_samples(struct gles3 *gl, const struct gfx_target_slot *slot)
+{
+	bind_framebuffer(gl, slot->resolve_framebuffer);
+	set_depth(gl, GFX_DEPTH_OFF);
+	set_blend(gl, GFX_OPAQUE);
+	set_cull(gl, false);
+	glActiveTexture(GL_TEXTURE0 + GFX_TEXTURES_MAX);
+	glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, slot->samples);
+	glUseProgram(slot->resolve_program);
+	gl->program = slot->resolve_program;
+	glBindVertexArray(slot->resolve_vertices);
+	gl->vertex_array = slot->resolve_vertices;
+	glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
 static void gles3_pass_end(struct gfx *gfx, struct gfx_target_slot *slot)
 {
 	static const GLenum depth = GL_DEPTH_ATTACHMENT, color = GL_COLOR_ATTACHMENT0;
-	(void)gfx;
 	glInvalidateFramebuffer(GL_FRAMEBUFFER, 1, &depth);
 	if (slot->framebuffer == slot->resolve_framebuffer)
 		return;
+	if (slot->samples) {
+		average_samples(gfx->impl, slot);
+		return;
+	}
 	GLint w = (GLint)slot->width, h = (GLint)slot->height;
 	glBindFramebuffer(GL_READ_FRAMEBUFFER, slot->framebuffer);
 	glBindFramebuffer(GL_DRAW_FRAMEBUFFER, slot->resolve_framebuffer);

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Every shader, with what the loader puts in front of it, is valid GLSL ES 3.00.
+# Every shader, with what the loader puts in front of it, is valid GLSL ES 3.00; resolve.* ES 3.10.
 dir=$2/assets/shaders
 command -v glslangValidator >/dev/null || { echo "skipped: no glslangValidator"; exit 77; }
 tmp=$(mktemp -d) && trap 'rm -rf "$tmp"' EXIT
@@ -7,10 +7,11 @@ bad=0
 check() # FILE DEFINES
 {
 	file=$1
-	stage=${file##*.}
+	stage=${file##*.} version=300
+	case $file in */resolve.*) version=310 ;; esac
 	[ "$stage" = vert ] && word=VERTEX || word=FRAGMENT
 	{
-		printf '#version 300 es\n#define %s 1\n' $word
+		printf '#version %s es\n#define %s 1\n' $version $word
 		printf "$2"
 		cat "$dir/prelude.glsl"
 		printf '#line 1\n'
@@ -23,7 +24,10 @@ check() # FILE DEFINES
 	fi
 }
 for file in "$dir"/*.vert "$dir"/*.frag; do
-	check "$file" ""
+	case $file in
+	*/resolve.*) check "$file" "#define NO_FRAME_BLOCK 1\n#define SAMPLES 4\n" ;;
+	*) check "$file" "" ;;
+	esac
 done
 for look in HAS_WALL HAS_GROUND HAS_WATER; do
 	for file in "$dir"/city.*; do
