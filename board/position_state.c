@@ -14,8 +14,8 @@
 #define TURNED_RAD 0.3 /* nor is this */
 #define STOPPED_MPS 0.1
 #define STOPPED_NS (2 * NS_PER_S) /* standing for so long is a stop: the next thing may be the key */
-#define SAME_ODOMETER_M 30.0
-#define ODOMETER_MAX_M 1e5 /* more since the last run is another car */
+#define SAME_ODOMETER_M 15.0      /* it is told once a second */
+#define ODOMETER_MAX_M 1e5        /* more since the last run is another car */
 
 /* On the medium. Little-endian like the package; unknown bytes at the end are passed over, missing ones are zero. */
 struct position_stored {

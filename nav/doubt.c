@@ -79,7 +79,7 @@ void doubt_settle(struct nav *nav, const struct nav_input *input, const struct r
 	}
 	if (nav->remembered && on_street && nav->reckon.travelled_m - nav->remembered_at_m > CONFIRMED_M &&
 		nav->match.confidence > CONFIRMED_SHARE && drift_ellipse(&nav->drift).major_m < DOUBT_BEGIN_M)
-		nav->remembered = false;
+		nav->remembered = nav->turned_unseen = false;
 	nav->place = judge(nav);
 	if (nav->place == NAV_PLACE_SURE)
 		nav->sure_ns = nav->reckon.time_ns;

@@ -164,16 +164,24 @@ static void learn_scale(struct nav *nav, struct dvec2 at, double sigma_m)
 	nav->stretch_m = nav->stretch_turn_rad = 0.0;
 }
 
-/* The first fix after a way that nobody saw: the shown pose does not wait for the car to move on. */
-static void find_after_unseen(struct nav *nav, struct dvec2 at, double sigma)
+/* A fix after a way that nobody saw. With a course both are known; without one, the first fix is all there is, and the
+ * shown pose does not wait for the car to move on. */
+static void find_after_unseen(struct nav *nav, const struct nav_input *input, struct dvec2 at, double sigma)
 {
+	bool first = nav->moved_unseen, course = input->heading_valid && isfinite(input->heading_rad);
+	int32_t heading = course ? bam_from_rad(input->heading_rad) : nav->reckon.heading_bam;
 	nav->moved_unseen = false;
-	if (!nav->match.on_street)
+	if (!nav->match.on_street || !(first || course))
 		return;
-	if (!nav->match.gnss_far)
+	if (first && !course && !nav->match.gnss_far) {
 		place_as_matched(nav);
-	else if (match_place_near(&nav->match, at, fmin(15.0 + 3.0 * sigma, 60.0), true, nav->reckon.heading_bam))
-		placed(nav, true);
+		return;
+	}
+	if (!match_place_near(&nav->match, at, fmin(15.0 + 3.0 * sigma, 60.0), true, heading))
+		return;
+	nav->turned_unseen = nav->turned_unseen && !course;
+	nav->reckon.heading_bam = heading;
+	placed(nav, !course); /* in a corner a course is no street's */
 }
 
 /* The first fix says where we are, later ones help the matching. */
@@ -204,8 +212,8 @@ static void take_fix(struct nav *nav, const struct nav_input *input)
 	match_gnss(&nav->match, &nav->reckon, at, sigma);
 	if (!nav->match.on_street && nav->reckon.still_s <= 0.0)
 		doubt_fix(nav, at, sigma);
-	if (nav->moved_unseen)
-		find_after_unseen(nav, at, sigma);
+	if (nav->moved_unseen || nav->turned_unseen)
+		find_after_unseen(nav, input, at, sigma);
 	else if (half != nav->match.half && nav->match.since_gnss_m == 0.0 && nav->match.gnss_far)
 		place_on_lane(nav, false);
 }

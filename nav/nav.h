@@ -87,7 +87,8 @@ struct nav {
 	struct drift drift;
 	bool remembered;        /* the place is of the last run and not confirmed */
 	double remembered_at_m; /* travelled then */
-	bool moved_unseen;      /* since then, or while the bus was silent; no fix has said where to */
+	bool moved_unseen;      /* since then, and no fix has said where to */
+	bool turned_unseen;     /* nor a course where it looks */
 	bool was_blind;         /* the speed is not told */
 	uint32_t wild_fixes;    /* in a row, off the streets */
 	enum nav_place place;

@@ -109,6 +109,6 @@ void nav_moved_unseen(struct nav *nav, double by_m)
 	if (!nav->match.located || !(by_m > 0.0))
 		return;
 	match_blur(&nav->match, by_m, false);
-	nav->moved_unseen = true;
+	nav->moved_unseen = nav->turned_unseen = true;
 	nav->drift.blind_m = fmin(nav->drift.blind_m + by_m, 5000.0);
 }

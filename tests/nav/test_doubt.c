@@ -332,6 +332,39 @@ static void after_a_corner_driven_unseen_the_car_looks_along_its_new_street(void
 	}
 }
 
+/* Nothing but a course tells that the car has turned round meanwhile, or is in the middle of a corner. */
+static void a_course_after_a_way_driven_unseen_is_believed(void **state)
+{
+	static const struct {
+		uint32_t from, to;
+		double at_m, heading_rad;
+	} cases[] = { { 1, 0, 90.0, -0.5 * BLVD_PI }, { 1, 5, 80.0, 0.0 }, { 1, 2, 60.0, 0.5 * BLVD_PI } };
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		struct ride ride;
+		struct nav_memory memory;
+		ride_start(&ride, streets_grid(4, 200), true);
+		nav_set_start_half(&ride.nav, streets_half(ride.streets, 0, 1), 150.0); /* eastwards */
+		assert_true(nav_remember(&ride.nav, &memory));
+		assert_true(nav_restore(&ride.nav, &memory, true));
+		nav_moved_unseen(&ride.nav, 140.0);
+		ride.halves[0] = streets_half(ride.streets, cases[i].from, cases[i].to);
+		ride.count = 1;
+		ride.at_m = cases[i].at_m;
+		struct dvec2 at = ride_point(&ride, ride.at_m);
+		ride.input.heading_valid = true;
+		ride.input.heading_rad = cases[i].heading_rad;
+		tell_fix(&ride, at.x + 2.0, at.y - 2.0, 4.0);
+		ride_drive(&ride, 30.0, 10.0);
+		struct nav_view view = view_of(&ride);
+		at = ride_point(&ride, ride.at_m);
+		assert_int_equal(view.half, ride.halves[0]);
+		assert_near(remainder(bam_to_rad(view.heading_bam) - cases[i].heading_rad, 2.0 * BLVD_PI), 0.0, 0.1);
+		assert_near(hypot((double)view.pos_mm[0] * 1e-3 - at.x, (double)view.pos_mm[1] * 1e-3 - at.y), 0.0, 8.0);
+		ride_end(&ride);
+	}
+}
+
 /* Without a satellite too: when the shown place jumps to where the matching says, the heading does. */
 static void a_place_that_jumps_looks_along_its_street(void **state)
 {
@@ -367,6 +400,7 @@ int main(void)
 		cmocka_unit_test(a_fix_elsewhere_refutes_a_remembered_place_even_standing),
 		cmocka_unit_test(kilometres_driven_unseen_make_a_remembered_place_doubtful),
 		cmocka_unit_test(after_a_corner_driven_unseen_the_car_looks_along_its_new_street),
+		cmocka_unit_test(a_course_after_a_way_driven_unseen_is_believed),
 		cmocka_unit_test(a_place_that_jumps_looks_along_its_street),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
