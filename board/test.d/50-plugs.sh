@@ -17,7 +17,11 @@ cp "$CITY" /run/city.blvd
 UNIT_CITY=/run/city.blvd unit_start
 pictures_come
 holds 'map file removed' rm /run/city.blvd
-check 'map file removed: the unit was not restarted' unit_running
+seconds 3 # streets that were not read before come up meanwhile
+check 'map file removed: pictures come' pictures_come
+check 'map file removed: the unit was not restarted' test "$(unit_restarts)" = 0
+screen map-removed
+check 'map file removed: the picture is one of a city' at_least 50 "$(colours map-removed)"
 
 holds 'interface deleted' can_delete vcan0
 check 'interface deleted: it runs on' unit_running
