@@ -59,5 +59,6 @@ int blob_read(struct blob_reader *reader, const struct pkg *pkg, const struct pk
 	stream->next_out = out;
 	stream->avail_out = blob->raw_bytes;
 	lzma_ret end = lzma_code(stream, LZMA_FINISH);
+	file_map_let_go(&pkg->map, stored, blob->stored_bytes); /* or a long drive would hold all that it passed */
 	return end == LZMA_STREAM_END && !stream->avail_out && !stream->avail_in ? 0 : -EBADMSG;
 }

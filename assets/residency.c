@@ -254,6 +254,15 @@ static bool sound(struct residency *residency, uint32_t id)
 	return false;
 }
 
+/* The GPU has it now. */
+static void let_go(const struct pkg *pkg, const struct pkg_chunk *chunk)
+{
+	const uint64_t indices = (uint64_t)chunk->index_count[PKG_PASS_OPAQUE] + chunk->index_count[PKG_PASS_DECAL];
+	file_map_let_go(
+		&pkg->map, pkg_chunk_vertices(pkg, chunk), (size_t)chunk->vertex_count * sizeof(struct pkg_mesh_vertex));
+	file_map_let_go(&pkg->map, pkg_chunk_indices(pkg, chunk), (size_t)indices * sizeof(uint16_t));
+}
+
 static bool load_placed(struct residency *residency, uint32_t id, residency_upload upload, void *context)
 {
 	if (!sound(residency, id))
@@ -263,6 +272,7 @@ static bool load_placed(struct residency *residency, uint32_t id, residency_uplo
 	if (residency->whole)
 		residency->pending_bytes -= chunk_bytes(&residency->pkg->chunks[id]);
 	upload(context, id, &residency->chunks[id]);
+	let_go(residency->pkg, &residency->pkg->chunks[id]);
 	return true;
 }
 

@@ -9,7 +9,10 @@
 
 void cell_choice_init(struct cell_choice *choice, const struct pkg *pkg)
 {
-	*choice = (struct cell_choice){ .pkg = pkg, .stretch = PKG_NONE, .nearest = PKG_NONE };
+	const struct nearest_stretch none = { .stretch = PKG_NONE };
+	*choice = (struct cell_choice){ .pkg = pkg, .stretch = PKG_NONE, .here = none };
+	for (uint32_t i = 0; i < CELL_CHOICE_AHEAD; i++)
+		choice->ahead[i] = none;
 }
 
 uint32_t cell_choice_of_car(const struct pkg *pkg, const struct nav_view *nav)
@@ -47,34 +50,45 @@ static uint32_t find_nearest(const struct pkg *pkg, const int64_t eye_mm[3])
 	return best;
 }
 
-static bool moved(const struct cell_choice *choice, const int64_t eye_mm[3])
+static bool moved(const struct nearest_stretch *nearest, const int64_t eye_mm[3])
 {
 	for (int axis = 0; axis < 3; axis++)
-		if (llabs(eye_mm[axis] - choice->searched_mm[axis]) > SEARCH_AGAIN_MM)
+		if (llabs(eye_mm[axis] - nearest->searched_mm[axis]) > SEARCH_AGAIN_MM)
 			return true;
-	return !choice->searched;
+	return !nearest->searched;
 }
 
-static uint32_t nearest(struct cell_choice *choice, const int64_t eye_mm[3])
+static uint32_t nearest_to(const struct pkg *pkg, struct nearest_stretch *nearest, const int64_t eye_mm[3])
 {
-	if (moved(choice, eye_mm)) {
-		choice->nearest = find_nearest(choice->pkg, eye_mm);
-		choice->searched = true;
+	if (moved(nearest, eye_mm)) {
+		nearest->stretch = find_nearest(pkg, eye_mm);
+		nearest->searched = true;
 		for (int axis = 0; axis < 3; axis++)
-			choice->searched_mm[axis] = eye_mm[axis];
+			nearest->searched_mm[axis] = eye_mm[axis];
 	}
-	return choice->nearest;
+	return nearest->stretch;
 }
 
-uint32_t cell_choice_make(struct cell_choice *choice, const struct nav_view *nav, const int64_t eye_mm[3])
+static uint32_t choose(const struct cell_choice *choice, struct nearest_stretch *nearest, const struct nav_view *nav,
+	const int64_t eye_mm[3])
 {
 	const struct pkg_stretch *stretches = choice->pkg->stretches;
 	uint32_t car = cell_choice_of_car(choice->pkg, nav);
 	if (choice->stretch != PKG_NONE && cells_holds_eye(&stretches[choice->stretch], eye_mm))
 		return choice->stretch;
 	if (car != PKG_NONE && cells_holds_eye(&stretches[car], eye_mm))
-		choice->stretch = car;
-	else
-		choice->stretch = nearest(choice, eye_mm);
+		return car;
+	return nearest_to(choice->pkg, nearest, eye_mm);
+}
+
+uint32_t cell_choice_make(struct cell_choice *choice, const struct nav_view *nav, const int64_t eye_mm[3])
+{
+	choice->stretch = choose(choice, &choice->here, nav, eye_mm);
 	return choice->stretch;
+}
+
+uint32_t cell_choice_ahead(
+	struct cell_choice *choice, uint32_t place, const struct nav_view *nav, const int64_t eye_mm[3])
+{
+	return choose(choice, &choice->ahead[place], nav, eye_mm);
 }

@@ -20,7 +20,9 @@
 #define UPLOAD_BYTES (4 * PKG_PAGE_BYTES) /* a frame: copying a page costs a software GPU 0.7 ms */
 #define NEAR_SHARE 0.97                   /* of near_mm, where the impostor may begin */
 #define SPLIT_MIN_M 1.0 /* very wide pictures see the distance at their sides, little in front of the eye */
-#define WANTED_MAX (NAV_LIKELY_MAX + 1)
+#define WANTED_MAX (NAV_LIKELY_MAX + 1 + CELL_CHOICE_AHEAD)
+#define AHEAD_NS NS_PER_S /* of the eye's own way, for which its stretch is loaded */
+#define BRIM_M 0.3        /* so far outside its view cell a stretch is as good as inside */
 
 int far_cells_init(struct far_cells *cells, struct repr *repr, struct arena *arena)
 {
@@ -68,10 +70,29 @@ static void upload(struct far_cells *cells, uint64_t left_bytes)
 	}
 }
 
+/* Adds the stretches of the places where the eye is going to be if it moves on as it did since the last frame. */
+static uint32_t add_ahead(struct far_cells *cells, const struct repr_place *place, uint32_t *list, uint32_t count)
+{
+	const int64_t *eye_mm = place->view->eye_mm, passed_ns = place->time_ns - cells->eye_ns;
+	for (uint32_t i = 0; i < CELL_CHOICE_AHEAD && place->nav && !place->jumped && passed_ns > 0; i++) {
+		const int64_t ahead_ns = AHEAD_NS * (i + 1) / CELL_CHOICE_AHEAD;
+		int64_t ahead_mm[3];
+		for (int axis = 0; axis < 3; axis++)
+			ahead_mm[axis] = eye_mm[axis] + (eye_mm[axis] - cells->eye_mm[axis]) * ahead_ns / passed_ns;
+		uint32_t ahead = cell_choice_ahead(&cells->choice, i, place->nav, ahead_mm);
+		if (ahead != PKG_NONE && (!count || ahead != list[count - 1]))
+			list[count++] = ahead;
+	}
+	memcpy(cells->eye_mm, eye_mm, sizeof(cells->eye_mm));
+	cells->eye_ns = place->time_ns;
+	return count;
+}
+
 /* Asks for what is wanted now and soon. What is drawn must stay. */
 static void ask(struct far_cells *cells, uint32_t wanted, const struct repr_place *place)
 {
 	uint32_t list[WANTED_MAX] = { wanted }, count = wanted != PKG_NONE;
+	count = add_ahead(cells, place, list, count);
 	for (uint32_t i = 0; place->nav && i < place->nav->likely_count && i < NAV_LIKELY_MAX; i++)
 		list[count++] = place->nav->likely[i];
 	const uint32_t pinned[2] = { cells->here, cells->before };
@@ -116,7 +137,7 @@ static enum cells_rung rung_of(const struct far_cells *cells, const int64_t eye_
 		return CELLS_OUTSIDE;
 	const struct pkg_stretch *stretch = &cells->repr->pkg->stretches[cells->here];
 	double away_m = cells_distance_m(stretch, eye_mm);
-	if (away_m <= (cells->late ? SLACK_M : 0.0))
+	if (away_m <= (cells->late ? SLACK_M : BRIM_M))
 		return CELLS_INSIDE;
 	int32_t low_mm = stretch->start_mm[2] < stretch->end_mm[2] ? stretch->start_mm[2] : stretch->end_mm[2];
 	bool above = eye_mm[2] - low_mm > stretch->eye_max_mm + ABOVE_MM;

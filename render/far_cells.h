@@ -29,9 +29,10 @@ struct far_cells {
 	int64_t entered_ns;
 	float before_share; /* of its pixels that are left */
 	enum cells_rung rung;
-	bool distant_chunks; /* visible sets have no vertices of their own */
-	bool late;           /* a better one is wanted than the one that is drawn */
-	bool placed;         /* it is known where the car is, or the eye was chosen */
+	bool distant_chunks;       /* visible sets have no vertices of their own */
+	bool late;                 /* a better one is wanted than the one that is drawn */
+	int64_t eye_mm[3], eye_ns; /* of the last frame */
+	bool placed;               /* it is known where the car is, or the eye was chosen */
 	double split_m;
 };
 

@@ -39,3 +39,13 @@ void file_map_close(struct file_map *map)
 		munmap((void *)(uintptr_t)map->bytes.data, map->bytes.size);
 	*map = (struct file_map){ 0 };
 }
+
+void file_map_let_go(const struct file_map *map, const void *at, size_t bytes)
+{
+	const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE), base = (uintptr_t)map->bytes.data, from = (uintptr_t)at;
+	if (!map->bytes.data || from < base || bytes > map->bytes.size || from - base > map->bytes.size - bytes)
+		return;
+	/* whole pages, and those at the ends: what else lies in them is only read once more */
+	uintptr_t first = from / page * page;
+	madvise((void *)first, from + bytes - first, MADV_DONTNEED);
+}

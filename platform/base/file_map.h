@@ -12,4 +12,8 @@ struct file_map {
 int file_map_open(struct file_map *map, const char *path);
 void file_map_close(struct file_map *map);
 
+/* These bytes have been read and will not be for a while: their pages no longer count as the process's own. They stay
+ * valid, the next look only takes longer. Bytes outside the map are left alone. Any thread. */
+void file_map_let_go(const struct file_map *map, const void *at, size_t bytes);
+
 #endif
