@@ -6,6 +6,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#define FAULT_BYTES ((uintptr_t)64 << 10) /* Linux maps so much around what is touched */
+
 static int map_fd(struct file_map *map, int fd)
 {
 	struct stat info;
@@ -42,10 +44,13 @@ void file_map_close(struct file_map *map)
 
 void file_map_let_go(const struct file_map *map, const void *at, size_t bytes)
 {
-	const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE), base = (uintptr_t)map->bytes.data, from = (uintptr_t)at;
+	const uintptr_t base = (uintptr_t)map->bytes.data, from = (uintptr_t)at, last = base + map->bytes.size;
 	if (!map->bytes.data || from < base || bytes > map->bytes.size || from - base > map->bytes.size - bytes)
 		return;
-	/* whole pages, and those at the ends: what else lies in them is only read once more */
-	uintptr_t first = from / page * page;
-	madvise((void *)first, from + bytes - first, MADV_DONTNEED);
+	/* a fault brings its neighbours along: what else lies there is only looked up once more */
+	uintptr_t first = from / FAULT_BYTES * FAULT_BYTES,
+			  end = (from + bytes + FAULT_BYTES - 1) / FAULT_BYTES * FAULT_BYTES;
+	first = first < base ? base : first;
+	end = end > last ? last : end;
+	madvise((void *)first, end - first, MADV_DONTNEED);
 }
