@@ -4,6 +4,8 @@
 #include <errno.h>
 #include <string.h>
 
+#include "assets/impostor_fold.h"
+
 #define STAGING_ALIGN 64u
 
 static uint64_t aligned(uint64_t bytes)
@@ -61,10 +63,23 @@ static uint32_t largest_set(const struct pkg *pkg, const struct cell_cache_confi
 	return most;
 }
 
+static uint64_t largest_fold(const struct pkg *pkg, const struct cell_cache_config *config)
+{
+	uint64_t most = 0;
+	for (uint32_t i = 0; i < 2 * pkg->stretch_count && !config->without_impostors; i++) {
+		if (cell_loader_staging_bytes(config, pkg, i / 2) > config->staging_bytes)
+			continue;
+		uint64_t bytes = impostor_fold_bytes(pkg->cells[i].vertex_count, pkg->cells[i].index_count);
+		most = bytes > most ? bytes : most;
+	}
+	return most;
+}
+
 uint64_t cell_loader_bytes(const struct pkg *pkg, const struct cell_cache_config *config)
 {
 	uint32_t most = largest_set(pkg, config);
-	return BLOB_READER_BYTES + (uint64_t)most + set_expander_bytes(pkg, most / sizeof(struct pkg_set_object)) + 256;
+	return BLOB_READER_BYTES + (uint64_t)most + largest_fold(pkg, config) +
+		   set_expander_bytes(pkg, most / sizeof(struct pkg_set_object)) + 384;
 }
 
 int cell_loader_init(
@@ -76,8 +91,9 @@ int cell_loader_init(
 		.config = config,
 		.set_bytes = arena_alloc(arena, (size_t)most + 1, STAGING_ALIGN),
 		.set_bytes_capacity = most,
+		.fold_bytes = arena_alloc(arena, (size_t)largest_fold(pkg, config) + 1, STAGING_ALIGN),
 	};
-	if (!loader->set_bytes || blob_reader_init(&loader->reader, arena) < 0)
+	if (!loader->set_bytes || !loader->fold_bytes || blob_reader_init(&loader->reader, arena) < 0)
 		return -ENOMEM;
 	return set_expander_init(&loader->expander, arena, pkg, config->look_of, most / sizeof(struct pkg_set_object));
 }
@@ -132,7 +148,7 @@ static int load_impostor(struct cell_loader *loader, uint32_t id, struct pkg_imp
 		return -E2BIG;
 	int status = blob_read(loader->reader, loader->pkg, &cell->impostor, raw);
 	if (!status)
-		status = impostor_view_open(out, cell, raw, cell->impostor.raw_bytes);
+		status = impostor_view_open(out, cell, raw, cell->impostor.raw_bytes, loader->fold_bytes);
 	if (status < 0)
 		return status;
 	memcpy(views, out->views, out->head.view_count * sizeof(*views));

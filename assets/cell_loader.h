@@ -15,6 +15,7 @@ struct cell_loader {
 	struct set_expander expander;
 	void *set_bytes; /* a set as stored, before it is expanded */
 	uint32_t set_bytes_capacity;
+	void *fold_bytes; /* scratch for an impostor's unfolding */
 };
 
 /* Arrays of one slot that stay while it is used. */

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "assets/impostor_fold.h"
 #include "assets/pkg_check.h"
 
 uint32_t cells_stretch_at(const struct pkg *pkg, uint32_t edge, int64_t along_mm)
@@ -125,16 +126,18 @@ static int check_vertices(const struct impostor_view *impostor)
 	return 0;
 }
 
-int impostor_view_open(struct impostor_view *impostor, const struct pkg_cell *cell, const void *raw, uint32_t raw_bytes)
+int impostor_view_open(
+	struct impostor_view *impostor, const struct pkg_cell *cell, void *raw, uint32_t raw_bytes, void *scratch)
 {
 	struct impostor_view view = { 0 };
 	if (raw_bytes < sizeof(view.head))
 		return -EBADMSG;
 	memcpy(&view.head, raw, sizeof(view.head));
 	if (view.head.vertex_count != cell->vertex_count || view.head.index_count != cell->index_count ||
-		view.head.page_count != cell->page_count || view.head.view_count > PKG_IMPOSTOR_VIEWS_MAX)
+		view.head.page_count != cell->page_count || view.head.view_count > PKG_IMPOSTOR_VIEWS_MAX ||
+		view.head.step_log2 > PKG_IMPOSTOR_STEP_MAX)
 		return -EBADMSG;
-	const uint8_t *bytes = raw;
+	uint8_t *bytes = raw;
 	uint64_t at = sizeof(view.head);
 	view.views = (const void *)(bytes + at);
 	at += view.head.view_count * sizeof(*view.views);
@@ -145,6 +148,7 @@ int impostor_view_open(struct impostor_view *impostor, const struct pkg_cell *ce
 	at = (at + 15) / 16 * 16;
 	if (at + view.head.page_count * (uint64_t)PKG_PAGE_BYTES != raw_bytes)
 		return -EBADMSG;
+	impostor_unfold(&view.head, bytes + vertices_at, scratch);
 	view.vertices = (const void *)(bytes + vertices_at);
 	view.indices = (const void *)(bytes + indices_at);
 	view.pages = bytes + at;
@@ -166,13 +170,14 @@ static int verify_set(
 	return !status && set.triangle_count != triangles ? -EBADMSG : status;
 }
 
-static int verify_impostor(const struct pkg *pkg, struct blob_reader *reader, const struct pkg_cell *cell, void *buffer)
+static int verify_impostor(
+	const struct pkg *pkg, struct blob_reader *reader, const struct pkg_cell *cell, void *buffer, void *scratch)
 {
 	struct impostor_view impostor;
 	if (!cell->impostor.stored_bytes)
 		return 0;
 	int status = blob_read(reader, pkg, &cell->impostor, buffer);
-	return status ? status : impostor_view_open(&impostor, cell, buffer, cell->impostor.raw_bytes);
+	return status ? status : impostor_view_open(&impostor, cell, buffer, cell->impostor.raw_bytes, scratch);
 }
 
 static uint32_t largest_raw(const struct pkg *pkg)
@@ -187,16 +192,27 @@ static uint32_t largest_raw(const struct pkg *pkg)
 	return most;
 }
 
+static uint64_t largest_fold(const struct pkg *pkg)
+{
+	uint64_t most = 0;
+	for (uint32_t i = 0; i < 2 * pkg->stretch_count; i++) {
+		uint64_t bytes = impostor_fold_bytes(pkg->cells[i].vertex_count, pkg->cells[i].index_count);
+		most = bytes > most ? bytes : most;
+	}
+	return most;
+}
+
 uint64_t cells_verify_bytes(const struct pkg *pkg)
 {
-	return BLOB_READER_BYTES + largest_raw(pkg) + 256;
+	return BLOB_READER_BYTES + largest_raw(pkg) + largest_fold(pkg) + 256;
 }
 
 int cells_verify(const struct pkg *pkg, struct arena *arena, struct pkg_fault *fault)
 {
 	struct blob_reader *reader;
 	void *buffer = arena_alloc(arena, largest_raw(pkg) + 1, 16);
-	if (!buffer || blob_reader_init(&reader, arena) < 0)
+	void *scratch = arena_alloc(arena, largest_fold(pkg) + 1, 16);
+	if (!buffer || !scratch || blob_reader_init(&reader, arena) < 0)
 		return -ENOMEM;
 	for (uint32_t i = 0; i < pkg->stretch_count; i++) {
 		const struct pkg_stretch *stretch = &pkg->stretches[i];
@@ -207,7 +223,7 @@ int cells_verify(const struct pkg *pkg, struct arena *arena, struct pkg_fault *f
 			return pkg_fail(
 				fault, pkg_offset_of(pkg, stretch), "section STRC, element %u: its visible set is damaged", i);
 		for (uint32_t cell = 2 * i; cell < 2 * i + 2; cell++)
-			if (verify_impostor(pkg, reader, &pkg->cells[cell], buffer) < 0)
+			if (verify_impostor(pkg, reader, &pkg->cells[cell], buffer, scratch) < 0)
 				return pkg_fail(fault, pkg_offset_of(pkg, &pkg->cells[cell]),
 					"section CELL, element %u: its impostor is damaged", cell);
 	}

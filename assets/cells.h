@@ -22,7 +22,8 @@ bool cells_holds_eye(const struct pkg_stretch *stretch, const int64_t eye_mm[3])
 double cells_distance_m(const struct pkg_stretch *stretch, const int64_t eye_mm[3]);
 
 /* Checked views into the raw bytes of a set, or of an impostor; `raw` is aligned to 4. Every index is in range
- * afterwards. Returns 0 or -EBADMSG. */
+ * afterwards. An impostor is unfolded in place, once: `scratch` has impostor_fold_bytes() of the cell. Returns 0 or
+ * -EBADMSG. */
 struct set_view {
 	const struct pkg_set_object *objects;
 	const uint8_t *masks; /* of the objects that are not whole, in order */
@@ -37,7 +38,7 @@ struct impostor_view {
 	const uint8_t *pages; /* ETC2 */
 };
 int impostor_view_open(
-	struct impostor_view *impostor, const struct pkg_cell *cell, const void *raw, uint32_t raw_bytes);
+	struct impostor_view *impostor, const struct pkg_cell *cell, void *raw, uint32_t raw_bytes, void *scratch);
 
 /* Reads and checks every set and impostor. Takes cells_verify_bytes() from the arena. Returns 0, -ENOMEM, or -EBADMSG
  * with `fault` filled in. For `blvd verify`. */

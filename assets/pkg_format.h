@@ -16,7 +16,7 @@
 #include <stdint.h>
 
 #define PKG_MAGIC "BLVDPKG\n"
-#define PKG_VERSION_MAJOR 2 /* readers refuse another major version */
+#define PKG_VERSION_MAJOR 3 /* readers refuse another major version */
 #define PKG_VERSION_MINOR 0 /* readers accept any minor version, and ignore sections they do not know */
 #define PKG_ALIGN 4096u
 #define PKG_NONE UINT32_MAX /* "no index" */
@@ -437,22 +437,25 @@ struct pkg_set_object {
 static_assert(sizeof(struct pkg_set_object) == 8, "on-disk layout");
 
 /* An impostor: the head, view_count struct pkg_impostor_view, vertices, indices (uint16_t, triangles, nearest first),
- * padding to 16 bytes, pages (GL_COMPRESSED_RGBA8_ETC2_EAC, PKG_PAGE_PX square, first row at v = 0). Texels: rgb is
- * sRGB albedo times tint times ambient occlusion, not lit, and less by what the surface mirrors instead. Alpha is 0
- * where nothing is, and PKG_PAGE_SOLID or more (less the codec's error) where something is; the share that mirrors as
- * window glass does, of gloss on roofs too, is a = (alpha - PKG_PAGE_SOLID) / (255 - PKG_PAGE_SOLID), clamped. How
- * they are lit: tools/impostor/capture.h. What filters make of both is cut in the middle: below PKG_PAGE_CUT there is
- * nothing. Sampling is projective: (u z, v z, z) is linear in space, where z is the depth in the capture view. */
+ * these two folded (assets/impostor_fold.h), padding to 16 bytes, pages (GL_COMPRESSED_RGBA8_ETC2_EAC, PKG_PAGE_PX
+ * square, first row at v = 0). Texels: rgb is sRGB albedo times tint times ambient occlusion, not lit, and less by what
+ * the surface mirrors instead. Alpha is 0 where nothing is, and PKG_PAGE_SOLID or more (less the codec's error) where
+ * something is; the share that mirrors as window glass does, of gloss on roofs too, is a = (alpha - PKG_PAGE_SOLID) /
+ * (255 - PKG_PAGE_SOLID), clamped. How they are lit: tools/impostor/capture.h. What filters make of both is cut in the
+ * middle: below PKG_PAGE_CUT there is nothing. Sampling is projective: (u z, v z, z) is linear in space, where z is the
+ * depth in the capture view. */
 #define PKG_PAGE_PX 256u
 #define PKG_PAGE_BYTES 65536u
 #define PKG_PAGE_SOLID 128
 #define PKG_PAGE_CUT 64
 #define PKG_IMPOSTOR_VIEWS_MAX 32
+#define PKG_IMPOSTOR_STEP_MAX 16
 struct pkg_impostor_head {
 	uint32_t vertex_count; /* <= 65,535 */
 	uint32_t index_count;
 	uint32_t page_count;
-	uint32_t view_count; /* <= PKG_IMPOSTOR_VIEWS_MAX */
+	uint16_t view_count; /* <= PKG_IMPOSTOR_VIEWS_MAX */
+	uint16_t step_log2;  /* <= PKG_IMPOSTOR_STEP_MAX; positions are stored in 2^step_log2 mm */
 };
 static_assert(sizeof(struct pkg_impostor_head) == 16, "on-disk layout");
 struct pkg_impostor_view {

@@ -8,6 +8,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include "assets/impostor_fold.h"
 #include "platform/base/rng.h"
 
 struct buffer {
@@ -240,6 +241,7 @@ static struct pkg_cell put_cell(struct builder *b, bool impostor)
 	put(&raw, &head, sizeof(head));
 	for (uint32_t i = 0; i < head.view_count; i++)
 		put(&raw, &(struct pkg_impostor_view){ { 1.0f, 0.0f, 0.0f, (float)i } }, sizeof(struct pkg_impostor_view));
+	size_t vertices = raw.size;
 	for (uint32_t i = 0; i < head.vertex_count; i++) {
 		struct pkg_impostor_vertex vertex = { .pos_mm = { (int32_t)i, 100000, 0 },
 			.uv = { (uint16_t)(i % 32768), 32768 },
@@ -249,6 +251,9 @@ static struct pkg_cell put_cell(struct builder *b, bool impostor)
 	}
 	for (uint32_t i = 0; i < head.index_count; i++)
 		put(&raw, &(uint16_t){ (uint16_t)(i % head.vertex_count) }, 2);
+	void *scratch = malloc(impostor_fold_bytes(head.vertex_count, head.index_count) + 1);
+	impostor_fold(&head, raw.bytes + vertices, scratch);
+	free(scratch);
 	align(&raw, 16);
 	for (uint32_t i = 0; i < head.page_count * PKG_PAGE_BYTES / 16; i++) {
 		uint8_t block[16] = { 0 };

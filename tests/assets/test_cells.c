@@ -10,6 +10,7 @@
 #include <zlib.h>
 
 #include "assets/cells.h"
+#include "assets/impostor_fold.h"
 #include "platform/base/rng.h"
 #include "tests/assets/far_city.h"
 
@@ -21,7 +22,7 @@ static const struct far_city_config small = { .edges = 3,
 	.impostor_pages = 2,
 	.geometry_every = 3 };
 
-static _Alignas(64) uint8_t memory[4 << 20];
+static _Alignas(64) uint8_t memory[4 << 20], scratch[1 << 10];
 static uint8_t *bytes;
 static size_t size;
 static struct pkg pkg;
@@ -258,7 +259,7 @@ static void blobs_with_right_checksums_and_wrong_bytes_do_no_harm(void **state)
 			if (round & 1)
 				set_view_open(&set, &pkg, raw, blob.raw_bytes);
 			else
-				impostor_view_open(&impostor, &pkg.cells[2], raw, blob.raw_bytes);
+				impostor_view_open(&impostor, &pkg.cells[2], raw, blob.raw_bytes, scratch);
 		}
 		*at = before;
 	}
@@ -278,7 +279,9 @@ static void wrong_insides_are_refused(void **state)
 	assert_int_equal(blob_reader_init(&reader, &arena), 0);
 	const struct pkg_blob *set_blob = &pkg.stretches[1].local, *impostor_blob = &pkg.cells[2].impostor;
 	uint8_t *raw = malloc(1 << 20);
+	assert_true(impostor_fold_bytes(pkg.cells[2].vertex_count, pkg.cells[2].index_count) <= sizeof(scratch));
 	const size_t views = sizeof(struct pkg_impostor_head), vertices = views + 2 * sizeof(struct pkg_impostor_view);
+	const size_t pages = vertices + 40 * 16, kinds = pages + 40; /* as they are folded */
 	const size_t indices = vertices + 40 * sizeof(struct pkg_impostor_vertex), objects = sizeof(struct pkg_set_head);
 	const struct {
 		bool set;
@@ -298,13 +301,14 @@ static void wrong_insides_are_refused(void **state)
 		{ false, 0, 4, 41 },
 		{ false, 4, 4, 3 },
 		{ false, 8, 4, 1 },
-		{ false, 12, 4, 33 },
-		{ false, 12, 4, 1 },
+		{ false, 12, 2, 33 },
+		{ false, 12, 2, 1 },
+		{ false, 14, 2, PKG_IMPOSTOR_STEP_MAX + 1 },
 		{ false, views, 4, 0x7F800000 },
-		{ false, vertices + offsetof(struct pkg_impostor_vertex, page), 1, 2 },
-		{ false, vertices + offsetof(struct pkg_impostor_vertex, view_kind), 1, 2 },
-		{ false, vertices + offsetof(struct pkg_impostor_vertex, uv), 2, 32769 },
-		{ false, indices, 2, 40 },
+		{ false, pages, 1, 2 },
+		{ false, kinds, 1, 2 },
+		{ false, vertices + 12, 2, 2 * 4097 },
+		{ false, indices, 1, 2 * 40 - 1 },
 	};
 	for (size_t i = 0; i < sizeof(table) / sizeof(table[0]); i++) {
 		const struct pkg_blob *blob = table[i].set ? set_blob : impostor_blob;
@@ -315,7 +319,7 @@ static void wrong_insides_are_refused(void **state)
 			if (wrong)
 				memcpy(raw + table[i].offset, &table[i].value, table[i].width);
 			int status = table[i].set ? set_view_open(&set, &pkg, raw, blob->raw_bytes)
-									  : impostor_view_open(&impostor, &pkg.cells[2], raw, blob->raw_bytes);
+									  : impostor_view_open(&impostor, &pkg.cells[2], raw, blob->raw_bytes, scratch);
 			if ((status < 0) != wrong)
 				fail_msg("case %zu: status %d", i, status);
 		}

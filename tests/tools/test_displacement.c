@@ -220,6 +220,28 @@ static void land_that_a_pixel_shows_hundreds_of_metres_of_is_found(void **state)
 		assert_true(fabs((double)at(x, H / 2 + 1) - 0.6) < 0.05);
 }
 
+/* The same land, all that is seen of it one pixel between two posts: no sample around tells how deep it is. */
+static void the_ground_is_as_deep_as_a_level_plane_in_the_pixel(void **state)
+{
+	(void)state;
+	static const struct {
+		uint32_t object;
+		double moved_px, found_px;
+	} cases[] = { { 4, 0.6, INFINITY }, { TRUTH_GROUND - 1, 0.6, 0.6 }, { TRUTH_WATER - 1, -0.5, 0.5 },
+		{ TRUTH_GROUND - 1, 1.7, INFINITY } };
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		const double x = 30.5, y = H / 2 + 2.5, depth_m = 2.0 * FOCAL / 2.5;
+		double moved_m = 2.0 * FOCAL / (2.5 - cases[i].moved_px);
+		fill_wall(reference_pixels, 50.0, 0.0);
+		fill_wall(shown_pixels, 50.0, 0.0);
+		reference_pixels[(H / 2 + 2) * W + 30] = place(cases[i].object, x, y, depth_m);
+		shown_pixels[(H / 2 + 2) * W + 30] = place(cases[i].object, x, y - cases[i].moved_px, moved_m);
+		compare();
+		double found_px = (double)at(30, H / 2 + 2);
+		assert_true(isinf(cases[i].found_px) ? isinf(found_px) : fabs(found_px - cases[i].found_px) < 0.05);
+	}
+}
+
 static void samples_differ_in_both_coordinates(void **state)
 {
 	(void)state;
@@ -322,6 +344,7 @@ int main(void)
 		cmocka_unit_test(an_outline_one_pixel_off_is_less_than_a_pixel),
 		cmocka_unit_test(what_is_thinner_than_a_pixel_is_found_where_it_moved_to),
 		cmocka_unit_test(land_that_a_pixel_shows_hundreds_of_metres_of_is_found),
+		cmocka_unit_test(the_ground_is_as_deep_as_a_level_plane_in_the_pixel),
 		cmocka_unit_test(samples_differ_in_both_coordinates),
 		cmocka_unit_test(other_surfaces_in_the_same_place_do_not_count),
 		cmocka_unit_test(coarse_positions_cost_half_their_width),

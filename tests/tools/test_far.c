@@ -20,6 +20,7 @@
 #include <unistd.h>
 
 #include "assets/cells.h"
+#include "assets/impostor_fold.h"
 #include "assets/resident.h"
 #include "tools/bake/bake.h"
 #include "tools/commands.h"
@@ -146,11 +147,14 @@ static void append(byte_array *out, const void *bytes, size_t size)
 STAND_IN void impostor_encode(const struct impostor *impostor, byte_array *out)
 {
 	static const uint8_t page[PKG_PAGE_BYTES];
-	struct pkg_impostor_head head = { 3, 3, 1, 1 };
+	struct pkg_impostor_head head = { .vertex_count = 3, .index_count = 3, .page_count = 1, .view_count = 1 };
+	uint8_t scratch[16];
 	append(out, &head, sizeof(head));
+	size_t views = out->count;
 	append(out, impostor->views.items, sizeof(*impostor->views.items));
 	append(out, impostor->vertices.items, 3 * sizeof(*impostor->vertices.items));
 	append(out, impostor->indices.items, 3 * sizeof(*impostor->indices.items));
+	impostor_fold(&head, out->items + views + sizeof(*impostor->views.items), scratch);
 	append(out, page, (16 - out->count % 16) % 16);
 	append(out, page, sizeof(page));
 }

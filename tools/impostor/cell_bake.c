@@ -27,19 +27,19 @@
 
 #define FOCAL_PX 869.0
 #define TEXELS_PER_PX 1.0
-#define CAPTURE_SCALE 1.25 /* pixels of a capture a texel */
+#define CAPTURE_SCALE 1.75 /* pixels of a capture a texel: what is thinner than a texel is found in most of them */
 #define TRIANGLES_MAX 3000
 #define PAGES_MAX 16
-#define LOOK_SCALE 0.5 /* of the screen's resolution */
-#define WANTED_MARGIN_PX 16
+#define LOOK_SCALE 0.5        /* of the screen's resolution */
+#define WANTED_MARGIN_PX 13.0 /* these are pixels of the screen */
 #define GEOMETRY_TRIANGLES 400
 #define RELAX_TRIES 3
 #define CAPTURES_MAX 24
 #define EYES_MAX 8
-#define LEFT_MAX 32 /* points of an eye, 16 pixels of the screen each, that may stay uncovered all around */
+#define LEFT_MAX 8 /* points of an eye, 16 pixels of the screen each, that may stay uncovered all around */
 #define FIRST_MARGIN_PX (2.0 * WANTED_MARGIN_PX)
-#define MARGIN_PX 16.0 /* around what is left, for surfaces to go on under what hides them */
-#define WANTED_RADIUS_PX 7
+#define MARGIN_PX 13.0 /* around what is left, for surfaces to go on under what hides them */
+#define WANTED_RADIUS_PX 5.5
 
 struct cell_baker {
 	const struct pkg *pkg;
@@ -209,11 +209,11 @@ static bool any(const uint8_t *bytes, size_t count)
 static int capture_face(
 	struct cell_baker *baker, const struct view_cell *cell, struct dvec3 eye, enum cell_face face, bool first)
 {
-	double focal_px = baker->options.focal_px * baker->options.texels_per_px * CAPTURE_SCALE;
+	double per_px = baker->options.texels_per_px * CAPTURE_SCALE, focal_px = baker->options.focal_px * per_px;
 	struct capture_view view = cell_face_view(cell, eye, face, true, focal_px);
 	int64_t since = cpu_ns();
-	if (baker->capture_count == CAPTURES_MAX ||
-		!cover_crop(&baker->points, &baker->looks, first ? NULL : &eye, first ? FIRST_MARGIN_PX : MARGIN_PX, &view))
+	if (baker->capture_count == CAPTURES_MAX || !cover_crop(&baker->points, &baker->looks, first ? NULL : &eye,
+													(first ? FIRST_MARGIN_PX : MARGIN_PX) * per_px, &view))
 		return 0;
 	view.near_m = 1.0;
 	view.far_m = baker->options.far_m;
@@ -225,10 +225,11 @@ static int capture_face(
 	size_t pixels = (size_t)view.width * view.height;
 	capture->wanted = array_grow(NULL, &(size_t){ 0 }, pixels, 1);
 	if (first)
-		impostor_wanted(
-			baker->looks.images.items, baker->looks.count, &capture->image, WANTED_MARGIN_PX, capture->wanted);
+		impostor_wanted(baker->looks.images.items, baker->looks.count, &capture->image,
+			(unsigned)lround(WANTED_MARGIN_PX * per_px), capture->wanted);
 	else
-		cover_wanted(&baker->points, &baker->looks, &capture->image, WANTED_RADIUS_PX, capture->wanted);
+		cover_wanted(
+			&baker->points, &baker->looks, &capture->image, (int)lround(WANTED_RADIUS_PX * per_px), capture->wanted);
 	baker->capture_count++;
 	if (!any(capture->wanted, pixels)) {
 		baker->capture_count--;

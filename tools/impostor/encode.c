@@ -1,8 +1,13 @@
 /* An impostor's bytes in the package. Blocks that show nothing are all the same, so that they pack to nothing. */
+#include <math.h>
 #include <string.h>
 
+#include "assets/impostor_fold.h"
 #include "tools/impostor/impostor.h"
 #include "tools/impostor/page_blocks.h"
+
+#define ROUNDING_RAD 1.8e-5  /* a 64th of a pixel */
+#define VIEW_CELL_MM 70000.0 /* a stretch and its overrun: so much nearer the eye may come than the origin is */
 
 void impostor_mesh_finish(struct impostor_mesh *mesh)
 {
@@ -39,6 +44,18 @@ static void encode_page(const uint8_t *page, byte_array *out)
 	out->count += PKG_PAGE_BYTES;
 }
 
+/* Positions may be rounded by what cannot be seen at the nearest of them, from anywhere in the view cell. */
+static uint16_t position_step(const struct impostor *impostor)
+{
+	double nearest_mm = INFINITY;
+	for (size_t i = 0; i < impostor->vertices.count; i++) {
+		const int32_t *at = impostor->vertices.items[i].pos_mm;
+		nearest_mm = fmin(nearest_mm, sqrt((double)at[0] * at[0] + (double)at[1] * at[1] + (double)at[2] * at[2]));
+	}
+	double step_mm = (nearest_mm - VIEW_CELL_MM) * ROUNDING_RAD;
+	return isfinite(step_mm) && step_mm > 1 ? (uint16_t)fmin(floor(log2(step_mm)), PKG_IMPOSTOR_STEP_MAX) : 0;
+}
+
 void impostor_encode(const struct impostor *impostor, byte_array *out)
 {
 	static const uint8_t zeros[16];
@@ -46,11 +63,17 @@ void impostor_encode(const struct impostor *impostor, byte_array *out)
 	struct pkg_impostor_head head = { .vertex_count = (uint32_t)impostor->vertices.count,
 		.index_count = (uint32_t)impostor->indices.count,
 		.page_count = impostor->page_count,
-		.view_count = (uint32_t)impostor->views.count };
+		.view_count = (uint16_t)impostor->views.count,
+		.step_log2 = position_step(impostor) };
 	put(out, &head, sizeof(head));
 	put(out, impostor->views.items, impostor->views.count * sizeof(*impostor->views.items));
+	size_t vertices = out->count;
 	put(out, impostor->vertices.items, impostor->vertices.count * sizeof(*impostor->vertices.items));
 	put(out, impostor->indices.items, impostor->indices.count * sizeof(*impostor->indices.items));
+	byte_array scratch = { 0 };
+	ARRAY_RESERVE(&scratch, impostor_fold_bytes(head.vertex_count, head.index_count) + 1);
+	impostor_fold(&head, out->items + vertices, scratch.items);
+	ARRAY_FINISH(&scratch);
 	put(out, zeros, -(out->count - start) % 16);
 	for (uint32_t i = 0; i < impostor->page_count; i++)
 		encode_page(impostor->pages + (size_t)i * PKG_PAGE_PX * PKG_PAGE_PX * 4, out);

@@ -17,8 +17,8 @@
 #define SHARP_ENOUGH 0.5
 #define GAIN_MIN 1.5
 /* Islands of so many pixels whose surface is shown right beside them are the sampling's noise. */
-#define SPECK_PX 12
-#define OVERLAP_PX 2
+#define SPECK_PX2 8.0  /* of the screen */
+#define OVERLAP_PX 1.6 /* of the screen */
 
 enum pixel_state { EMPTY, SHOWN, OWNED };
 
@@ -34,6 +34,7 @@ struct fusion {
 	struct parallax parallax;
 	double tau_px;
 	struct dvec3 corners[VIEW_CELL_CORNERS];
+	double per_px;   /* pixels of the capture in one of the screen */
 	double focal_px; /* of the screen, times texels a pixel */
 	struct earlier *earlier;
 	size_t earlier_count;
@@ -209,7 +210,9 @@ static void drop_specks(const struct fusion *fusion, const uint8_t *states, uint
 		size_t beside = 0;
 		for (size_t k = 0; k < island.count; k++)
 			beside += touches(fusion, states, island.items[k], SHOWN);
-		bool is_speck = beside == island.count || (island.count <= SPECK_PX && 2 * beside >= island.count);
+		bool is_speck =
+			beside == island.count ||
+			((double)island.count <= SPECK_PX2 * fusion->per_px * fusion->per_px && 2 * beside >= island.count);
 		for (size_t k = 0; k < island.count; k++)
 			owner[island.items[k]] = !is_speck;
 	}
@@ -245,7 +248,8 @@ static void overlap(const struct fusion *fusion, uint8_t *owner)
 	for (uint32_t i = 0; i < count; i++)
 		if (owner[i])
 			ARRAY_PUSH(&lists[0], i);
-	for (int round = 0; round < OVERLAP_PX; round++) {
+	int rounds = (int)lround(OVERLAP_PX * fusion->per_px);
+	for (int round = 0; round < rounds; round++) {
 		pixel_list *from = &lists[round % 2], *to = &lists[1 - round % 2];
 		to->count = 0;
 		for (size_t n = 0; n < from->count; n++)
@@ -270,6 +274,7 @@ void impostor_fuse(const struct view_cell *cell, const struct impostor_capture *
 	struct fusion fusion = { .capture = &captures[which],
 		.parallax = parallax_of(cell, view),
 		.tau_px = options->tau_px * view->focal_px / options->focal_px,
+		.per_px = view->focal_px / options->focal_px,
 		.focal_px = options->focal_px * options->texels_per_px,
 		.earlier = POOL_ARRAY(&pool, struct earlier, which),
 		.earlier_count = which };

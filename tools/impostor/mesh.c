@@ -4,7 +4,7 @@
  * How tau is shared out: a plane may miss its pixels by PLANE_SHARE of it, by SURFACE_ERROR_MAX times that at most;
  * vertices on a border between two planes take the mean of the two, which adds at most half of JOIN_SHARE there. The
  * contours' own error is no displacement: the texture shows each pixel on the plane that it belongs to. What is left
- * are pixels within INNER_PX of a border between joined surfaces, that the other surface shows.
+ * are places within INNER_PX of a border between joined surfaces, that the other surface shows.
  */
 #include <math.h>
 #include <string.h>
@@ -18,16 +18,20 @@
 #define CORNER_STRETCH 1.72
 #define PLANE_SHARE 0.9
 #define JOIN_SHARE 0.2
-#define GUARD_PX 3
-#define CLOSE_PX 6
-#define REACH_PX 8
-#define PRICE_PX2 80.0
+/* These are pixels of the screen, whatever the capture's resolution. */
+#define GUARD_PX 2.5
+#define SEAM_PX 1.6
+#define CLOSE_PX 5.0
+#define RING_PX 1.2
+#define REACH_PX 6.5
+#define PRICE_PX2 51.0
+#define SWALLOW_PX2 10.0
+/* Of the capture: what is farther from its border than this is shown by its own surface. */
 #define INNER_PX 1.0
 /* Of the regular grid: its contours keep nearer to the pixels, whose disparities they take. */
 #define GRID_PX 16
-#define GRID_REACH_PX 2
-#define GRID_PRICE_PX2 4.0
-#define SWALLOW_PX 16
+#define GRID_REACH_PX 1.6
+#define GRID_PRICE_PX2 2.5
 /* With too many triangles, tau grows by the excess to this power, from one try to the next by more at least. */
 #define COARSER_POWER 0.8
 #define COARSER_MIN 1.25
@@ -40,6 +44,7 @@ struct meshing {
 	struct displacement displacement;
 	struct foliage_light foliage;
 	uint32_t width, height;
+	double per_px; /* pixels of the capture in one of the screen, in its middle */
 	uint8_t *owned, *open_below;
 	float *tolerance, *scaled; /* of disparity for tau; the same, for this try */
 	float *error_px;           /* by pixel; negative: not shown */
@@ -103,28 +108,45 @@ static void scale_tolerances(struct meshing *meshing, double factor)
 		meshing->scaled[i] = meshing->tolerance[i] * (float)factor;
 }
 
+static uint32_t capture_px(const struct meshing *meshing, double screen_px)
+{
+	return (uint32_t)lround(screen_px * meshing->per_px);
+}
+
+static double capture_px2(const struct meshing *meshing, double screen_px2)
+{
+	return screen_px2 * meshing->per_px * meshing->per_px;
+}
+
 static struct surfaces_input surfaces_input_of(const struct meshing *meshing, double coarse)
 {
 	return (struct surfaces_input){ .image = &meshing->capture->image,
 		.continuous = meshing->options->interior == IMPOSTOR_GRID,
 		.owned = meshing->owned,
 		.tolerance = meshing->scaled,
-		.gap_px = 2 * CLOSE_PX,
-		.swallow_px = (uint32_t)(SWALLOW_PX * coarse) };
+		.per_px = meshing->per_px,
+		.gap_px = 2.0f * (float)capture_px(meshing, CLOSE_PX),
+		.swallow_px = (uint32_t)lround(capture_px2(meshing, SWALLOW_PX2) * coarse) };
 }
 
 static struct sheet_options sheet_options_of(const struct meshing *meshing, double coarse, uint8_t view)
 {
 	const struct impostor_options *options = meshing->options;
 	if (options->interior == IMPOSTOR_GRID)
-		return (struct sheet_options){ .reach_px = GRID_REACH_PX,
-			.price_px2 = GRID_PRICE_PX2 * coarse,
+		return (struct sheet_options){ .per_px = meshing->per_px,
+			.ring_px = capture_px(meshing, RING_PX),
+			.seam_px = capture_px(meshing, SEAM_PX),
+			.reach_px = capture_px(meshing, GRID_REACH_PX),
+			.price_px2 = capture_px2(meshing, GRID_PRICE_PX2) * coarse,
 			.grid_px = (uint32_t)((options->grid_px ? options->grid_px : GRID_PX) * coarse),
 			.view = view };
-	return (struct sheet_options){ .guard_px = GUARD_PX,
-		.close_px = CLOSE_PX,
-		.reach_px = REACH_PX,
-		.price_px2 = PRICE_PX2 * coarse,
+	return (struct sheet_options){ .per_px = meshing->per_px,
+		.guard_px = capture_px(meshing, GUARD_PX),
+		.seam_px = capture_px(meshing, SEAM_PX),
+		.ring_px = capture_px(meshing, RING_PX),
+		.close_px = capture_px(meshing, CLOSE_PX),
+		.reach_px = capture_px(meshing, REACH_PX),
+		.price_px2 = capture_px2(meshing, PRICE_PX2) * coarse,
 		.inner_px = INNER_PX * sqrt(coarse),
 		.view = view };
 }
@@ -241,6 +263,7 @@ void impostor_mesh_add(struct impostor_mesh *mesh, const struct view_cell *cell,
 	struct meshing meshing = {
 		.capture = capture, .options = options, .width = capture->image.view.width, .height = capture->image.view.height
 	};
+	meshing.per_px = capture->image.view.focal_px / options->focal_px;
 	meshing.owned = image_bytes(&meshing, 1);
 	meshing.open_below = image_bytes(&meshing, 1);
 	find_owned(&meshing, owner);

@@ -16,8 +16,8 @@
 
 /* What a byte is worth, of squared steps summed over a block: that, and a share of the error that the block has anyway,
  * since what is rough hides more. */
-#define WORTH 40.0f
-#define WORTH_SHARE 0.3f
+#define WORTH 100.0f
+#define WORTH_SHARE 0.6f
 
 #define HIDDEN_WEIGHT 0.25f /* of a texel that is cut away: filters reach it */
 

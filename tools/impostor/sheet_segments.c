@@ -3,13 +3,15 @@
 
 #include "tools/impostor/sheet_mesh.h"
 
-#define FOLD_INNER_PX 1.5 /* how far a point on a border moves to the fold; where the sheet ends, ... */
-#define FOLD_OUTER_PX 3.0 /* ... and the border was spread by rule of thumb */
+#define FOLD_INNER_PX                                                                                                  \
+	1.2                   /* of the screen: how far a point on a border moves to the fold; where the sheet ends, ...   \
+						   */
+#define FOLD_OUTER_PX 2.4 /* ... and the border was spread by rule of thumb */
 
 /* How far triangles reach beyond a surface's pixels: spread, ring and hull. */
 static uint32_t margin_of(const struct sheet_source *source)
 {
-	return source->options.guard_px + source->options.reach_px + 2;
+	return source->options.guard_px + source->options.reach_px + source->options.ring_px + 1;
 }
 
 bool sheet_is_large(const struct sheet_source *source, const struct surface *surface)
@@ -81,7 +83,7 @@ static void move_to_fold(const struct sheet_source *source, const struct meeting
 	if (!(determinant > 0))
 		return;
 	double dx = (right_x * yy - right_y * xy) / determinant, dy = (right_y * xx - right_x * xy) / determinant;
-	double most = meeting->outer ? FOLD_OUTER_PX : FOLD_INNER_PX;
+	double most = (meeting->outer ? FOLD_OUTER_PX : FOLD_INNER_PX) * source->options.per_px;
 	if (dx * dx + dy * dy > most * most)
 		return;
 	*x += dx;

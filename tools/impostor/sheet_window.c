@@ -4,9 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#define RING_PX 1
-#define SEAM_PX 2       /* spread over what another sheet shows at the same disparity, ... */
-#define AGREE_SHARE 0.8 /* ... give or take this much of the tolerance */
+/* Of the tolerance: what another sheet shows within this share is at the same disparity, and spread over. */
+#define AGREE_SHARE 0.8
 
 enum mesh_texel sheet_texel(const struct sheet_source *source, const struct surface *surface, uint32_t x, uint32_t y)
 {
@@ -25,8 +24,8 @@ enum mesh_texel sheet_texel(const struct sheet_source *source, const struct surf
 
 static void take_pixels(struct sheet_window *window, const struct sheet_source *source, uint32_t sheet)
 {
-	int32_t margin =
-		(int32_t)(source->options.guard_px + source->options.close_px + source->options.reach_px) + RING_PX + 2;
+	const struct sheet_options *options = &source->options;
+	int32_t margin = (int32_t)(options->guard_px + options->close_px + options->reach_px + options->ring_px) + 2;
 	int32_t min_x = INT32_MAX, min_y = INT32_MAX, max_x = 0, max_y = 0;
 	const struct sheets *sheets = source->sheets;
 	for (uint32_t i = sheets->first.items[sheet]; i < sheets->first.items[sheet + 1]; i++) {
@@ -74,7 +73,7 @@ static bool may_guard(
 		return to == from + window->width;
 	uint32_t label = window->label.items[from];
 	enum mesh_texel texel = sheet_texel(source, sheet_surface(source, label), (uint32_t)x, (uint32_t)y);
-	bool agrees = texel == MESH_SHOW && step < SEAM_PX;
+	bool agrees = texel == MESH_SHOW && step < source->options.seam_px;
 	if (agrees)
 		window->seam.items[to] = 1;
 	return texel == MESH_FILL || agrees;
@@ -168,7 +167,7 @@ void sheet_window_open(struct sheet_window *window, const struct sheet_source *s
 	spread(window, source, SPREAD_GUARD, source->options.guard_px);
 	close_gaps(window, source);
 	find_front(window);
-	spread(window, source, SPREAD_RING, RING_PX);
+	spread(window, source, SPREAD_RING, source->options.ring_px);
 }
 
 void sheet_window_finish(struct sheet_window *window)

@@ -2,8 +2,8 @@
  * The part of a capture that a sheet is meshed in: the sheet's pixels, spread to where its triangles are to reach.
  *
  * First under whatever is nearer and down to where the near ground will be (guard_px), so that parallax uncovers a
- * continuation and no hole; a pixel or two over the surfaces that it is tied to; then gaps are closed that are narrower
- * than twice close_px; at last a ring of a pixel on all sides, for the texture's filter.
+ * continuation and no hole; some pixels (seam_px) over the surfaces that it is tied to; then gaps are closed that are
+ * narrower than twice close_px; at last a ring (ring_px) on all sides, for the texture's filter.
  */
 #ifndef BLVD_TOOLS_IMPOSTOR_SHEET_WINDOW_H
 #define BLVD_TOOLS_IMPOSTOR_SHEET_WINDOW_H
@@ -14,7 +14,9 @@
 #include "tools/impostor/sheets.h"
 
 struct sheet_options {
+	double per_px; /* pixels of the capture in one of the screen */
 	uint32_t guard_px, close_px;
+	uint32_t ring_px, seam_px;
 	uint32_t reach_px; /* how far outlines may grow beyond what is spread */
 	double price_px2;  /* area that a triangle is worth */
 	double inner_px;   /* by how much borders between surfaces may be off */

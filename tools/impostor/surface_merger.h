@@ -14,6 +14,7 @@ struct merger {
 	ARRAY(uint32_t) largest; /* pixels of the part whose kind and normal a region has */
 	ARRAY(struct merge_candidate) heap;
 	struct borders borders; /* labels are regions + 1 */
+	double per_px2;         /* pixels of the capture in one of the screen */
 };
 
 static inline uint32_t surface_region(struct merger *merger, uint32_t seed)

@@ -11,8 +11,8 @@
 
 #include "tools/impostor/surface_merger.h"
 
-#define TINY_PX 24
-#define SMALL_PX 64
+#define TINY_PX2 15.0 /* of the screen */
+#define SMALL_PX2 40.0
 #define NORMALS_DOT 0.9f
 #define PIECE_TRIES 32  /* neighbours of a piece that are looked at */
 #define STALE_SLACK 1.1 /* a border that got this much worse since it was queued goes back in the queue */
@@ -82,13 +82,13 @@ static bool may_join(const struct merger *merger, uint32_t a, uint32_t b)
 {
 	uint32_t pixels_a = merger->seeds.fits.items[a].pixels, pixels_b = merger->seeds.fits.items[b].pixels;
 	uint32_t smaller = pixels_a < pixels_b ? pixels_a : pixels_b;
-	if (smaller <= TINY_PX)
+	if (smaller <= TINY_PX2 * merger->per_px2)
 		return true;
 	const struct capture_pixel *kind_a = &merger->seeds.kinds.items[a], *kind_b = &merger->seeds.kinds.items[b];
 	if (light_class(kind_a->kind) != light_class(kind_b->kind))
 		return false;
 	bool crown = kind_a->kind == PKG_MATERIAL_FOLIAGE && kind_a->object == kind_b->object;
-	if (smaller <= SMALL_PX || crown || memcmp(kind_a->normal_oct, kind_b->normal_oct, 2) == 0)
+	if (smaller <= SMALL_PX2 * merger->per_px2 || crown || memcmp(kind_a->normal_oct, kind_b->normal_oct, 2) == 0)
 		return true;
 	float normal_a[3], normal_b[3];
 	normal_of(kind_a->normal_oct, normal_a);
@@ -279,7 +279,7 @@ void surfaces_find(struct surfaces *surfaces, const struct surfaces_input *input
 	*surfaces = (struct surfaces){ .width = view->width, .height = view->height };
 	size_t count = (size_t)view->width * view->height, capacity = 0;
 	surfaces->label = array_grow(NULL, &capacity, count + 1, sizeof(*surfaces->label));
-	struct merger merger = { 0 };
+	struct merger merger = { .per_px2 = input->per_px * input->per_px };
 	surface_seeds_find(&merger.seeds, input, surfaces->label);
 	for (uint32_t i = 0; i < merger.seeds.fits.count; i++) {
 		ARRAY_PUSH(&merger.parent, i);

@@ -37,6 +37,7 @@ struct surfaces_input {
 	const struct capture_image *image;
 	const uint8_t *owned;   /* not 0: to be shown; only pixels that have an object */
 	const float *tolerance; /* of disparity, at owned pixels */
+	double per_px;          /* pixels of the image in one of the screen, along a line */
 	float gap_px;           /* pieces of an object may join over gaps as wide as this */
 	uint32_t swallow_px;    /* regions of so many pixels or fewer may be swallowed by another */
 };

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "assets/cells.h"
+#include "assets/impostor_fold.h"
 #include "platform/base/log.h"
 #include "tools/bake/etc2.h"
 #include "tools/city/pool.h"
@@ -109,9 +110,10 @@ static int draw_cell(
 	if (cell->kind != PKG_CELL_IMPOSTOR)
 		return 0;
 	void *raw = pool_alloc(pool, cell->impostor.raw_bytes);
+	void *scratch = pool_alloc(pool, impostor_fold_bytes(cell->vertex_count, cell->index_count));
 	int err = blob_read(reader, pkg, &cell->impostor, raw);
 	if (!err)
-		err = impostor_view_open(&impostor, cell, raw, cell->impostor.raw_bytes);
+		err = impostor_view_open(&impostor, cell, raw, cell->impostor.raw_bytes, scratch);
 	if (err) {
 		log_error("cell %u: its impostor is damaged", far_cell_of(index, half));
 		return err;

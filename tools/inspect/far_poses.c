@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "assets/cells.h"
+#include "assets/impostor_fold.h"
 #include "platform/base/log.h"
 #include "platform/base/rng.h"
 #include "tools/city/pool.h"
@@ -89,11 +90,12 @@ static int read_and_check(
 	const struct pkg_cell *cell = &pkg->cells[index];
 	struct impostor_view impostor;
 	void *raw = pool_alloc(&pool, cell->impostor.raw_bytes), *truth = pool_alloc(&pool, cell->truth.raw_bytes);
+	void *scratch = pool_alloc(&pool, impostor_fold_bytes(cell->vertex_count, cell->index_count));
 	int err = blob_read(reader, pkg, &cell->impostor, raw);
 	if (!err)
 		err = blob_read(reader, pkg, &cell->truth, truth);
 	if (!err)
-		err = impostor_view_open(&impostor, cell, raw, cell->impostor.raw_bytes);
+		err = impostor_view_open(&impostor, cell, raw, cell->impostor.raw_bytes, scratch);
 	if (err)
 		log_error("cell %u is damaged", index);
 	else

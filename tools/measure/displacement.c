@@ -34,12 +34,33 @@ static struct displacement_depth depth_around(
 	return out;
 }
 
+/* How deep the level plane through a place is, so far above (up) or below the pixel that shows it; infinity above its
+ * horizon. */
+static double level_depth_m(const struct truth_image *image, const struct truth_pixel *pixel, double up_px)
+{
+	double depth_m = truth_depth_m(image, pixel), height_m = (double)pixel->from_eye_m[2];
+	double rise = height_m / depth_m + up_px / image->focal_px * (double)image->up.z; /* of the ray, for 1 m of depth */
+	double out_m = height_m / rise;
+	return out_m > 0.0 ? out_m : INFINITY;
+}
+
+static bool lies_level(uint32_t object)
+{
+	return object == TRUTH_GROUND || object == TRUTH_WATER;
+}
+
 static bool shows_same(const struct truth_image *reference, const struct displacement_depth *depths, uint32_t x,
 	uint32_t y, const struct truth_pixel *shown, double depth_m)
 {
-	if (reference->pixels[(size_t)y * reference->width + x].object != shown->object)
+	const struct truth_pixel *pixel = &reference->pixels[(size_t)y * reference->width + x];
+	if (pixel->object != shown->object)
 		return false;
 	struct displacement_depth around = depth_around(reference, depths, x, y);
+	for (int side = -1; side <= 1 && lies_level(pixel->object); side += 2) {
+		float level_m = (float)level_depth_m(reference, pixel, side * OFFER_PX);
+		around.min_m = fminf(around.min_m, level_m);
+		around.max_m = fmaxf(around.max_m, level_m);
+	}
 	double margin_m = MARGIN_PX * depth_m / reference->focal_px;
 	return depth_m >= (double)around.min_m - margin_m && depth_m <= (double)around.max_m + margin_m;
 }

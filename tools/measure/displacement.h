@@ -7,6 +7,8 @@
  * projected to within 1.5 px of p in either direction, and as deep as the object is around p in the reference (samples
  * of 3 x 3 pixels, and a margin of three pixels' footprint). The distance is measured in the picture and not along the
  * surface, so that facades seen at a grazing angle, where neighbouring pixels are metres apart, need no special care.
+ * Ground and water do: far away a pixel is hundreds of metres deep, and where only a gap shows them the samples around
+ * may all lie at one end of that. They are also as deep as a level plane through X is within 1.5 px above and below p.
  * How far project(Y) is from the pixel p beyond half a pixel's diagonal is added: at an outline that is off by one
  * pixel the nearest thing shown lies next to p. Of all such q the one with the smallest sum counts.
  *

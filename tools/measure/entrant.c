@@ -53,7 +53,7 @@ static int open_renderer(struct entrant *entrant, const struct pkg *pkg)
 int entrant_open(struct entrant *entrant, const struct pkg *pkg, const struct entrant_config *config)
 {
 	size_t pixels = (size_t)config->width * config->height;
-	*entrant = (struct entrant){ .config = *config };
+	*entrant = (struct entrant){ .config = *config, .pkg = pkg };
 	uint8_t *memory = malloc(ARENA_BYTES);
 	if (!memory)
 		abort();
@@ -101,12 +101,27 @@ int entrant_draw(struct entrant *entrant, const struct replay_frame *frame)
 	return 0;
 }
 
+/* All tiles of the ground are the ground. */
+static void join_tiles(const struct pkg *pkg, struct truth_pixel *truth, size_t pixels)
+{
+	for (size_t i = 0; i < pixels; i++) {
+		if (!truth[i].object || truth[i].object > pkg->object_count)
+			continue;
+		uint16_t kind = pkg->objects[truth[i].object - 1].kind;
+		if (kind == PKG_OBJECT_GROUND)
+			truth[i].object = TRUTH_GROUND;
+		else if (kind == PKG_OBJECT_WATER)
+			truth[i].object = TRUTH_WATER;
+	}
+}
+
 int entrant_read_truth(struct entrant *entrant, struct dvec2 at_px)
 {
 	int status = display_use(&entrant->display);
 	if (status < 0)
 		return status;
 	renderer_read_truth(entrant->renderer, at_px, (uint32_t *)(void *)entrant->truth);
+	join_tiles(entrant->pkg, entrant->truth, (size_t)entrant->config.width * entrant->config.height);
 	return 0;
 }
 

@@ -21,6 +21,7 @@ struct entrant_config {
 
 struct entrant {
 	struct entrant_config config;
+	const struct pkg *pkg;
 	struct display display;
 	struct arena arena;
 	struct renderer *renderer;
@@ -39,8 +40,8 @@ void entrant_close(struct entrant *entrant);
 
 /* Draws and reads back. Returns 0 or -EIO. */
 int entrant_draw(struct entrant *entrant, const struct replay_frame *frame);
-/* What is seen where in the frame just drawn, into entrant->truth; `at_px` from the pixels' centres. Returns 0 or -EIO.
- */
+/* What is seen where in the frame just drawn, into entrant->truth; `at_px` from the pixels' centres. Returns 0 or
+ * -EIO. */
 int entrant_read_truth(struct entrant *entrant, struct dvec2 at_px);
 /* Fills `lightness` from `pixels`; `work` has room for as many. */
 void entrant_see(struct entrant *entrant, float *work);

@@ -12,8 +12,12 @@
 #include "platform/base/vec.h"
 #include "render/view.h"
 
+/* What stands for an object where the ground or water is seen: a package cuts both into tiles, which cannot be seen. */
+#define TRUTH_GROUND UINT32_C(0x7ffffff0)
+#define TRUTH_WATER UINT32_C(0x7ffffff1)
+
 struct truth_pixel {
-	uint32_t object;     /* + 1; 0: nothing is there, the rest is 0 then */
+	uint32_t object;     /* + 1, or one of the above; 0: nothing is there, the rest is 0 then */
 	float from_eye_m[3]; /* world axes */
 };
 static_assert(sizeof(struct truth_pixel) == 16, "as the GPU writes it");
