@@ -6,7 +6,8 @@
  * What is kept of a cell:
  *   nothing   when no look sees a distant pixel in its half-space;
  *   geometry  when what it sees has fewer triangles than an impostor can have: below GEOMETRY_TRIANGLES, or below what
- *             the impostor came out with, or when no impostor within the bounds can be made;
+ *             the impostor came out with, and what the whole stretch sees, which is loaded and drawn then, has no more
+ *             than GEOMETRY_WHOLE; or when no impostor within the bounds can be made;
  *   impostor  else. When its error is above tau, the bound on triangles or pages came first, and the cell says so.
  */
 #include "tools/impostor/cell_bake.h"
@@ -33,6 +34,7 @@
 #define LOOK_SCALE 0.5        /* of the screen's resolution */
 #define WANTED_MARGIN_PX 13.0 /* these are pixels of the screen */
 #define GEOMETRY_TRIANGLES 400
+#define GEOMETRY_WHOLE 2000
 #define RELAX_TRIES 3
 #define CAPTURES_MAX 24
 #define EYES_MAX 8
@@ -335,9 +337,9 @@ static void keep_geometry(struct pkg_cell *cell, enum pkg_cell_reason reason)
 	cell->reason = (uint8_t)reason;
 }
 
-/* `ahead`: the far set in front. Its looks have been taken. */
+/* `ahead`: the far set in front. Its looks have been taken. `whole`: triangles that geometry would draw. */
 static int make_impostor(struct cell_baker *baker, const struct view_cell *view, const struct triangle_set *ahead,
-	struct pkg_cell *cell, byte_array *bytes)
+	uint64_t whole, struct pkg_cell *cell, byte_array *bytes)
 {
 	struct impostor impostor = { 0 };
 	int err = capture_all(baker, view, ahead);
@@ -350,7 +352,7 @@ static int make_impostor(struct cell_baker *baker, const struct view_cell *view,
 	if (err == -E2BIG) {
 		keep_geometry(cell, PKG_REASON_ERROR_TOO_LARGE);
 		err = 0;
-	} else if (!err && impostor.indices.count / 3 >= cell->seen_triangles) {
+	} else if (!err && impostor.indices.count / 3 >= cell->seen_triangles && whole <= GEOMETRY_WHOLE) {
 		keep_geometry(cell, PKG_REASON_FEWER_TRIANGLES);
 	} else if (!err && impostor.indices.count) {
 		err = store_impostor(baker, &impostor, cell, bytes);
@@ -371,13 +373,14 @@ static int bake_cell(struct cell_baker *baker, const struct view_cell *view, con
 	in_front(baker->pkg, view, seen, &ahead);
 	cell->seen_triangles = ahead.triangles;
 	int err = 0;
-	if (ahead.triangles && (!baker->options.impostor || ahead.triangles <= GEOMETRY_TRIANGLES)) {
+	bool few = ahead.triangles <= GEOMETRY_TRIANGLES && seen->triangles <= GEOMETRY_WHOLE;
+	if (ahead.triangles && (!baker->options.impostor || few)) {
 		keep_geometry(cell, PKG_REASON_FEWER_TRIANGLES);
 	} else if (ahead.triangles) {
 		in_front(baker->pkg, view, far_set, &ahead);
 		cover_points(&baker->looks, baker->pkg, &ahead, cell_axis(view), &baker->points);
 		if (baker->points.count)
-			err = make_impostor(baker, view, &ahead, cell, bytes);
+			err = make_impostor(baker, view, &ahead, seen->triangles, cell, bytes);
 	}
 	triangle_set_finish(&ahead);
 	return err;
