@@ -76,7 +76,7 @@ static void unfold_vertices(uint32_t count, unsigned step_log2, uint8_t *bytes, 
 	for (uint32_t i = count; i-- > 0;) {
 		struct fold_row row;
 		memcpy(&row, bytes + i * sizeof(row), sizeof(row));
-		struct pkg_impostor_vertex vertex;
+		struct pkg_impostor_vertex vertex = { 0 };
 		for (int k = 0; k < 3; k++)
 			vertex.pos_mm[k] = (int32_t)(row.pos[k] << step_log2);
 		for (int k = 0; k < 2; k++)
