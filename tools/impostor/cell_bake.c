@@ -28,7 +28,7 @@
 
 #define FOCAL_PX 869.0
 #define TEXELS_PER_PX 1.0
-#define CAPTURE_SCALE 1.75 /* pixels of a capture a texel: what is thinner than a texel is found in most of them */
+#define CAPTURE_SCALE 1.25 /* pixels of a capture a texel */
 #define TRIANGLES_MAX 3000
 #define PAGES_MAX 16
 #define LOOK_SCALE 0.5        /* of the screen's resolution */
@@ -38,7 +38,7 @@
 #define RELAX_TRIES 3
 #define CAPTURES_MAX 24
 #define EYES_MAX 8
-#define LEFT_MAX 8 /* points of an eye, 16 pixels of the screen each, that may stay uncovered all around */
+#define LEFT_MAX 16 /* points of an eye, 16 pixels of the screen each, that may stay uncovered all around */
 #define FIRST_MARGIN_PX (2.0 * WANTED_MARGIN_PX)
 #define MARGIN_PX 13.0 /* around what is left, for surfaces to go on under what hides them */
 #define WANTED_RADIUS_PX 5.5

@@ -25,9 +25,8 @@
 #define RING_PX 1.2
 #define REACH_PX 6.5
 #define PRICE_PX2 51.0
+#define INNER_PX 0.8 /* but a pixel of the capture at least */
 #define SWALLOW_PX2 10.0
-/* Of the capture: what is farther from its border than this is shown by its own surface. */
-#define INNER_PX 1.0
 /* Of the regular grid: its contours keep nearer to the pixels, whose disparities they take. */
 #define GRID_PX 16
 #define GRID_REACH_PX 1.6
@@ -147,7 +146,7 @@ static struct sheet_options sheet_options_of(const struct meshing *meshing, doub
 		.close_px = capture_px(meshing, CLOSE_PX),
 		.reach_px = capture_px(meshing, REACH_PX),
 		.price_px2 = capture_px2(meshing, PRICE_PX2) * coarse,
-		.inner_px = INNER_PX * sqrt(coarse),
+		.inner_px = fmax(1, INNER_PX * meshing->per_px) * sqrt(coarse),
 		.view = view };
 }
 
