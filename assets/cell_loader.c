@@ -49,53 +49,45 @@ uint64_t cell_loader_staging_bytes(const struct cell_cache_config *config, const
 	return sum;
 }
 
-static uint32_t largest_set(const struct pkg *pkg, const struct cell_cache_config *config)
+/* What the largest set takes as stored, or the largest impostor to be unfolded. */
+static uint64_t scratch_bytes(const struct pkg *pkg, const struct cell_cache_config *config)
 {
-	uint32_t most = 0;
+	uint64_t most = 0;
 	for (uint32_t i = 0; i < pkg->stretch_count; i++) {
 		const struct pkg_stretch *stretch = &pkg->stretches[i];
+		const struct pkg_cell *cells = &pkg->cells[2 * (uint64_t)i];
 		if (cell_loader_staging_bytes(config, pkg, i) > config->staging_bytes)
 			continue;
 		most = stretch->local.raw_bytes > most ? stretch->local.raw_bytes : most;
 		if (cell_loader_wants_pvs(config, pkg, i) && stretch->pvs.raw_bytes > most)
 			most = stretch->pvs.raw_bytes;
-	}
-	return most;
-}
-
-static uint64_t largest_fold(const struct pkg *pkg, const struct cell_cache_config *config)
-{
-	uint64_t most = 0;
-	for (uint32_t i = 0; i < 2 * pkg->stretch_count && !config->without_impostors; i++) {
-		if (cell_loader_staging_bytes(config, pkg, i / 2) > config->staging_bytes)
-			continue;
-		uint64_t bytes = impostor_fold_bytes(pkg->cells[i].vertex_count, pkg->cells[i].index_count);
-		most = bytes > most ? bytes : most;
+		for (int side = 0; side < 2 && !config->without_impostors; side++) {
+			uint64_t fold = impostor_fold_bytes(cells[side].vertex_count, cells[side].index_count);
+			most = fold > most ? fold : most;
+		}
 	}
 	return most;
 }
 
 uint64_t cell_loader_bytes(const struct pkg *pkg, const struct cell_cache_config *config)
 {
-	uint32_t most = largest_set(pkg, config);
-	return BLOB_READER_BYTES + (uint64_t)most + largest_fold(pkg, config) +
-		   set_expander_bytes(pkg, most / sizeof(struct pkg_set_object)) + 384;
+	uint64_t most = scratch_bytes(pkg, config);
+	return BLOB_READER_BYTES + most + set_expander_bytes(pkg, (uint32_t)(most / sizeof(struct pkg_set_object))) + 256;
 }
 
 int cell_loader_init(
 	struct cell_loader *loader, struct arena *arena, const struct pkg *pkg, const struct cell_cache_config *config)
 {
-	uint32_t most = largest_set(pkg, config);
+	uint64_t most = scratch_bytes(pkg, config);
 	*loader = (struct cell_loader){
 		.pkg = pkg,
 		.config = config,
-		.set_bytes = arena_alloc(arena, (size_t)most + 1, STAGING_ALIGN),
-		.set_bytes_capacity = most,
-		.fold_bytes = arena_alloc(arena, (size_t)largest_fold(pkg, config) + 1, STAGING_ALIGN),
+		.scratch = arena_alloc(arena, (size_t)most + 1, STAGING_ALIGN),
 	};
-	if (!loader->set_bytes || !loader->fold_bytes || blob_reader_init(&loader->reader, arena) < 0)
+	if (!loader->scratch || blob_reader_init(&loader->reader, arena) < 0)
 		return -ENOMEM;
-	return set_expander_init(&loader->expander, arena, pkg, config->look_of, most / sizeof(struct pkg_set_object));
+	return set_expander_init(
+		&loader->expander, arena, pkg, config->look_of, (uint32_t)(most / sizeof(struct pkg_set_object)));
 }
 
 /* What is left of a staging buffer. */
@@ -121,9 +113,9 @@ static int load_set(struct cell_loader *loader, const struct pkg_blob *blob, uin
 	struct set_view set = { 0 };
 	if (!blob->stored_bytes)
 		return 0;
-	int status = blob_read(loader->reader, loader->pkg, blob, loader->set_bytes);
+	int status = blob_read(loader->reader, loader->pkg, blob, loader->scratch);
 	if (!status)
-		status = set_view_open(&set, loader->pkg, loader->set_bytes, blob->raw_bytes);
+		status = set_view_open(&set, loader->pkg, loader->scratch, blob->raw_bytes);
 	if (status < 0 || set.triangle_count != triangles)
 		return -EBADMSG;
 	room->index_capacity = triangles * 3;
@@ -148,7 +140,7 @@ static int load_impostor(struct cell_loader *loader, uint32_t id, struct pkg_imp
 		return -E2BIG;
 	int status = blob_read(loader->reader, loader->pkg, &cell->impostor, raw);
 	if (!status)
-		status = impostor_view_open(out, cell, raw, cell->impostor.raw_bytes, loader->fold_bytes);
+		status = impostor_view_open(out, cell, raw, cell->impostor.raw_bytes, loader->scratch);
 	if (status < 0)
 		return status;
 	memcpy(views, out->views, out->head.view_count * sizeof(*views));

@@ -13,9 +13,7 @@ struct cell_loader {
 	const struct cell_cache_config *config;
 	struct blob_reader *reader;
 	struct set_expander expander;
-	void *set_bytes; /* a set as stored, before it is expanded */
-	uint32_t set_bytes_capacity;
-	void *fold_bytes; /* scratch for an impostor's unfolding */
+	void *scratch; /* a set as stored, before it is expanded; what unfolding an impostor wants besides */
 };
 
 /* Arrays of one slot that stay while it is used. */

@@ -3,10 +3,10 @@
 
 #include "tools/impostor/sheet_mesh.h"
 
-#define FOLD_INNER_PX                                                                                                  \
-	1.2                   /* of the screen: how far a point on a border moves to the fold; where the sheet ends, ...   \
-						   */
-#define FOLD_OUTER_PX 2.4 /* ... and the border was spread by rule of thumb */
+/* Of the screen: how far a point on a border moves to the fold, and where the sheet ends and the border was spread by
+ * rule of thumb. */
+#define FOLD_INNER_PX 1.2
+#define FOLD_OUTER_PX 2.4
 
 /* How far triangles reach beyond a surface's pixels: spread, ring and hull. */
 static uint32_t margin_of(const struct sheet_source *source)
