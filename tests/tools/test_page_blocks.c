@@ -84,20 +84,49 @@ static void what_is_exact_and_repeated_stays_exact(void **state)
 	for (size_t i = 0; i < TEXELS; i++)
 		memcpy(page[i], (const uint8_t[4]){ 132, 66, 198, 255 }, 4);
 	encode();
-	assert_memory_equal(blocks, plain, sizeof(blocks));
+	etc2_decode(shown, blocks, PKG_PAGE_PX, PKG_PAGE_PX);
+	assert_memory_equal(shown, page, sizeof(shown));
 }
 
-/* What is cut away decides outlines: it is stored as it would be without any regard to bytes. */
-static void alpha_is_left_alone(void **state)
+/* What is cut away decides outlines. */
+static void alpha_stays_exact(void **state)
+{
+	(void)state;
+	struct rng rng = rng_seed(9);
+	paint_wall(20);
+	for (size_t i = 0; i < TEXELS; i++) {
+		unsigned level = PKG_PAGE_SOLID + (unsigned)(i / 4 / PKG_PAGE_PX) * 2 % 128;
+		page[i][3] = page[i][3] && rng_unit(&rng) > 0.3 ? (uint8_t)level : 0;
+	}
+	encode();
+	etc2_decode(shown, blocks, PKG_PAGE_PX, PKG_PAGE_PX);
+	for (size_t i = 0; i < TEXELS; i++)
+		assert_int_equal(shown[i][3], page[i][3]);
+}
+
+static void alpha_of_several_levels_is_left_alone(void **state)
 {
 	(void)state;
 	struct rng rng = rng_seed(9);
 	paint_wall(20);
 	for (size_t i = 0; i < TEXELS; i++)
-		page[i][3] = rng_unit(&rng) > 0.3 ? page[i][3] : 0;
+		page[i][3] = (uint8_t)(rng_unit(&rng) * 255.0);
 	encode();
 	for (size_t i = 0; i < PKG_PAGE_BYTES; i += ETC2_BLOCK_BYTES)
 		assert_memory_equal(blocks + i, plain + i, 8);
+}
+
+static void equal_outlines_are_equal_bytes_whatever_mirrors(void **state)
+{
+	(void)state;
+	static const uint8_t levels[] = { PKG_PAGE_SOLID, 136, 199, 255 };
+	memset(page, 0, sizeof(page));
+	for (size_t k = 0; k < sizeof(levels); k++)
+		for (uint32_t i = 0; i < 10; i++)
+			page[i / 4 * PKG_PAGE_PX + 4 * k + i % 4][3] = levels[k];
+	encode();
+	for (size_t k = 1; k < sizeof(levels); k++)
+		assert_memory_equal(blocks + k * ETC2_BLOCK_BYTES + 1, blocks + 1, 7);
 }
 
 static void empty_blocks_are_all_the_same(void **state)
@@ -126,7 +155,9 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(pages_pack_better_for_little_error),
 		cmocka_unit_test(what_is_exact_and_repeated_stays_exact),
-		cmocka_unit_test(alpha_is_left_alone),
+		cmocka_unit_test(alpha_stays_exact),
+		cmocka_unit_test(alpha_of_several_levels_is_left_alone),
+		cmocka_unit_test(equal_outlines_are_equal_bytes_whatever_mirrors),
 		cmocka_unit_test(empty_blocks_are_all_the_same),
 		cmocka_unit_test(the_same_page_gives_the_same_blocks),
 	};

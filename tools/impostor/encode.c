@@ -6,7 +6,7 @@
 #include "tools/impostor/impostor.h"
 #include "tools/impostor/page_blocks.h"
 
-#define ROUNDING_RAD 1.8e-5  /* a 64th of a pixel */
+#define ROUNDING_RAD 3.6e-5  /* a 32nd of a pixel: half of it either way */
 #define VIEW_CELL_MM 70000.0 /* a stretch and its overrun: so much nearer the eye may come than the origin is */
 
 void impostor_mesh_finish(struct impostor_mesh *mesh)
@@ -44,16 +44,35 @@ static void encode_page(const uint8_t *page, byte_array *out)
 	out->count += PKG_PAGE_BYTES;
 }
 
-/* Positions may be rounded by what cannot be seen at the nearest of them, from anywhere in the view cell. */
-static uint16_t position_step(const struct impostor *impostor)
+/* A position may be rounded to so many powers of two mm that it cannot be seen, from anywhere in the view cell. */
+static uint16_t position_step(const int32_t at[3])
 {
-	double nearest_mm = INFINITY;
+	double distance_mm = sqrt((double)at[0] * at[0] + (double)at[1] * at[1] + (double)at[2] * at[2]);
+	double step_mm = (distance_mm - VIEW_CELL_MM) * ROUNDING_RAD;
+	return step_mm > 1 ? (uint16_t)fmin(floor(log2(step_mm)), PKG_IMPOSTOR_STEP_MAX) : 0;
+}
+
+static uint16_t least_step(const struct impostor *impostor)
+{
+	uint16_t least = impostor->vertices.count ? PKG_IMPOSTOR_STEP_MAX : 0;
 	for (size_t i = 0; i < impostor->vertices.count; i++) {
-		const int32_t *at = impostor->vertices.items[i].pos_mm;
-		nearest_mm = fmin(nearest_mm, sqrt((double)at[0] * at[0] + (double)at[1] * at[1] + (double)at[2] * at[2]));
+		uint16_t step = position_step(impostor->vertices.items[i].pos_mm);
+		least = step < least ? step : least;
 	}
-	double step_mm = (nearest_mm - VIEW_CELL_MM) * ROUNDING_RAD;
-	return isfinite(step_mm) && step_mm > 1 ? (uint16_t)fmin(floor(log2(step_mm)), PKG_IMPOSTOR_STEP_MAX) : 0;
+	return least;
+}
+
+/* Each by what its own distance allows: low bits that are 0 pack well. */
+static void put_vertices(const struct impostor *impostor, byte_array *out)
+{
+	for (size_t i = 0; i < impostor->vertices.count; i++) {
+		struct pkg_impostor_vertex vertex = impostor->vertices.items[i];
+		uint16_t step = position_step(vertex.pos_mm);
+		int64_t half = (INT64_C(1) << step) / 2;
+		for (int k = 0; k < 3; k++)
+			vertex.pos_mm[k] = (int32_t)((((int64_t)vertex.pos_mm[k] + half) >> step) * (INT64_C(1) << step));
+		put(out, &vertex, sizeof(vertex));
+	}
 }
 
 void impostor_encode(const struct impostor *impostor, byte_array *out)
@@ -64,11 +83,11 @@ void impostor_encode(const struct impostor *impostor, byte_array *out)
 		.index_count = (uint32_t)impostor->indices.count,
 		.page_count = impostor->page_count,
 		.view_count = (uint16_t)impostor->views.count,
-		.step_log2 = position_step(impostor) };
+		.step_log2 = least_step(impostor) };
 	put(out, &head, sizeof(head));
 	put(out, impostor->views.items, impostor->views.count * sizeof(*impostor->views.items));
 	size_t vertices = out->count;
-	put(out, impostor->vertices.items, impostor->vertices.count * sizeof(*impostor->vertices.items));
+	put_vertices(impostor, out);
 	put(out, impostor->indices.items, impostor->indices.count * sizeof(*impostor->indices.items));
 	byte_array scratch = { 0 };
 	ARRAY_RESERVE(&scratch, impostor_fold_bytes(head.vertex_count, head.index_count) + 1);

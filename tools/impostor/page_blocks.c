@@ -21,6 +21,14 @@
 
 #define HIDDEN_WEIGHT 0.25f /* of a texel that is cut away: filters reach it */
 
+/* Alpha of a block that shows one level or nothing, after KDFS 1.3, "Format RGBA ETC2": of the first table the steps
+ * -15 and 14, nine times, lie 261 apart: whatever the level, nothing comes out as 0, and the outline is the same bytes.
+ */
+#define OUTLINE_HEAD ((uint64_t)9 << 52) /* multiplier 9, table 0 */
+#define OUTLINE_NOTHING 3u               /* the index of -15 */
+#define OUTLINE_LEVEL 7u                 /* of 14 */
+#define OUTLINE_RISE 126                 /* 9 * 14 */
+
 #define HIGH_HALF 0xFFFFFFFF00000000u
 #define LOW_HALF 0xFFFFFFFFu
 
@@ -153,9 +161,29 @@ static void remember(struct page_coder *coder, const struct colour_word *word)
 	coder->recent[coder->count++ % RECENT] = *word;
 }
 
+/* Exact, or false: of more than one level, or of a low one. */
+static bool outline_word(const uint8_t texels[16][4], uint64_t *bits)
+{
+	unsigned level = 0;
+	for (unsigned i = 0; i < 16; i++)
+		level = texels[i][3] > level ? texels[i][3] : level;
+	if (level < PKG_PAGE_SOLID)
+		return false;
+	*bits = (uint64_t)(level - OUTLINE_RISE) << 56 | OUTLINE_HEAD;
+	for (unsigned i = 0; i < 16; i++) {
+		if (texels[i][3] && texels[i][3] != level)
+			return false;
+		*bits |= (uint64_t)(texels[i][3] ? OUTLINE_LEVEL : OUTLINE_NOTHING) << (45 - 3 * etc2_place(i));
+	}
+	return true;
+}
+
 static void code_block(struct page_coder *coder, const uint8_t texels[16][4], uint8_t block[ETC2_BLOCK_BYTES])
 {
+	uint64_t outline;
 	etc2_encode_block(block, texels);
+	if (outline_word(texels, &outline))
+		etc2_put_word(block, outline);
 	uint64_t bits = etc2_get_word(block + 8);
 	coder->texels = texels;
 	for (unsigned i = 0; i < 16; i++)

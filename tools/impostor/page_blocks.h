@@ -1,7 +1,8 @@
 /*
  * Pages to ETC2 blocks that pack well: where a block may as well be, in part or as a whole, like one of the last ones
  * of its page, it is, if that costs less error than the bytes are worth. This is rate-distortion optimization for a
- * packer that finds repeated bytes.
+ * packer that finds repeated bytes. Alpha is never changed: where a block has one level or nothing, it is written so
+ * that equal outlines are equal bytes.
  */
 #ifndef BLVD_TOOLS_IMPOSTOR_PAGE_BLOCKS_H
 #define BLVD_TOOLS_IMPOSTOR_PAGE_BLOCKS_H
