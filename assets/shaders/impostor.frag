@@ -1,14 +1,10 @@
 // See impostor.vert. DISSOLVE leaves a share of the pixels, by an ordered dither; TINT and WIRE are for looking at what is
 // far.
 in highp vec3 v_uvz;
-flat in highp float v_layer;
+flat in highp vec4 v_what;
 in highp vec3 v_paint;
-in highp vec3 v_over;
 in highp vec3 v_glass;
-#ifdef LIT
 in highp vec3 v_from_eye;
-flat in highp vec4 v_facing;
-#endif
 
 uniform highp vec4 u_draw[7];
 uniform highp sampler2DArray u_pages;
@@ -36,13 +32,23 @@ float threshold()
 // Some rooms are lit; bays and storeys of 3 m stand in for the tiles of near walls.
 vec3 far_rooms()
 {
-	vec2 along = normalize(vec2(-v_facing.y, v_facing.x) + vec2(0.0, 1e-4));
+	vec2 along = normalize(vec2(-v_what.y, v_what.x) + vec2(0.0, 1e-4));
 	highp vec3 place = v_from_eye + eye.xyz;
 	highp vec2 tile = vec2(dot(place.xy, along), place.z) * (1.0 / 3.0);
-	float seed = floor(dot(v_facing.xy, vec2(53.0, 91.0)));
-	return rooms(v_facing.z == KIND_SHOP, tile, seed, fwidth(tile)) * v_facing.w;
+	float seed = floor(dot(v_what.xy, vec2(53.0, 91.0)));
+	return rooms(v_what.z == KIND_SHOP, tile, seed, fwidth(tile)) * step(v_what.z, KIND_SHOP);
 }
 #endif
+
+// As city.frag has it, without waves: seen flat, they are less than a pixel.
+vec3 flat_water(vec3 body, vec3 to_eye)
+{
+	float facing = 1.0 - max(to_eye.z, 0.0), square = facing * facing;
+	float share = sqrt(0.03 + 0.75 * square * square * facing);
+	vec3 sky = encode_srgb(mix(haze.rgb, zenith.rgb, clamp(to_eye.z * 1.6, 0.0, 1.0)) * 0.9);
+	float spark = pow(max(dot(vec3(-to_eye.xy, to_eye.z), sun_direction.xyz), 0.0), 180.0) * (1.0 - sun_direction.w);
+	return body * (1.0 - share) + sky * share + sqrt(sun_color.rgb) * (spark * 0.6);
+}
 
 #ifdef WIRE
 void main()
@@ -56,17 +62,22 @@ void main()
 	if (threshold() >= u_draw[6].x)
 		discard;
 #endif
-	vec4 texel = texture(u_pages, vec3(v_uvz.xy / v_uvz.z, v_layer));
+	vec4 texel = texture(u_pages, vec3(v_uvz.xy / v_uvz.z, v_what.w));
 	if (texel.a < CUT)
 		discard;
 	float glass = clamp((texel.a - SOLID) * (1.0 / (1.0 - SOLID)), 0.0, 1.0);
 	vec3 paint = v_paint;
 #ifdef LIT
 	vec2 map = texture(u_light_map, u_draw[5].xy + v_from_eye.xy * u_draw[5].zw).rg;
-	float open = step(abs(v_facing.z - KIND_GROUND - 0.5), 0.6); // ground or marking, whose albedo has map.r as a factor
+	float open = step(abs(v_what.z - KIND_GROUND - 0.5), 0.6); // ground or marking, whose albedo has map.r as a factor
 	paint *= sqrt(1.0 + lamp_light(map.g) * (open / max(map.r, 0.1)));
 #endif
-	vec3 color = texel.rgb * paint + v_over + v_glass * glass;
+	vec3 color = texel.rgb * paint + v_glass * glass;
+	highp float distance_m = length(v_from_eye);
+	if (v_what.z == KIND_WATER)
+		color = flat_water(color, v_from_eye * (-1.0 / max(distance_m, 0.001)));
+	vec4 between = air(v_from_eye, distance_m);
+	color = color * between.w + between.rgb;
 #ifdef LIT
 	color += far_rooms() * (1.0 - color) * glass;
 #endif

@@ -57,6 +57,13 @@ static void cover_triangle(const struct atlas_canvas *canvas, struct atlas_part 
 }
 
 /* Pixels that the piece's patch shows, a little beyond the piece's own. */
+/* Is there something, and lit as the patch is? Water is dark before it mirrors the sky, and a patch of something else
+ * mirrors none. */
+static bool lights_as(const struct capture_pixel *pixel, const struct mesh_patch *patch)
+{
+	return pixel->object && (pixel->kind == PKG_MATERIAL_WATER) == (patch->kind == PKG_MATERIAL_WATER);
+}
+
 static bool own_shown(const struct atlas_canvas *canvas, struct atlas_part *part, const struct mesh_patch *patch,
 	const struct atlas_piece *piece)
 {
@@ -66,7 +73,8 @@ static bool own_shown(const struct atlas_canvas *canvas, struct atlas_part *part
 	for (int32_t y = low_y > patch->min_y ? low_y : patch->min_y; y <= high_y && y <= patch->max_y; y++) {
 		for (int32_t x = low_x > patch->min_x ? low_x : patch->min_x; x <= high_x && x <= patch->max_x; x++) {
 			size_t i = place_in(part, x, y);
-			if (i == SIZE_MAX || mesh_texel(canvas->mesh, patch, x, y) != MESH_SHOW || !pixel_at(canvas, x, y)->object)
+			if (i == SIZE_MAX || mesh_texel(canvas->mesh, patch, x, y) != MESH_SHOW ||
+				!lights_as(pixel_at(canvas, x, y), patch))
 				continue;
 			part->owned[i] = 1;
 			any = true;

@@ -386,7 +386,8 @@ int capturer_draw(struct capturer *capturer, const struct capture_view *view, bo
 		log_error("capture of %u x %u: %s", view->width, view->height, strerror(-err));
 		return err;
 	}
-	capture_pixels_fill(capturer->pkg, &capturer->batch, &capturer->planes, capturer->seen[TARGET_PIXELS], out);
+	capture_pixels_fill(capturer->pkg, &capturer->batch, &capturer->planes, capturer->seen[TARGET_PIXELS],
+		color ? capturer->rgba[TARGET_PIXELS] : NULL, out);
 	if (color)
 		capture_pixels_color(&capturer->batch, capturer->seen[TARGET_PIXELS], capturer->rgba[TARGET_PIXELS],
 			capturer->seen[TARGET_FINE], capturer->rgba[TARGET_FINE], out);

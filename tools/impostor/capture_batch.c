@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "platform/base/log.h"
+#include "tools/impostor/oct_normal.h"
 
 enum { UNKNOWN, GOOD, DAMAGED };
 
@@ -28,14 +29,29 @@ static bool chunk_is_good(struct capture_batch *batch, const struct pkg *pkg, ui
 	return *state == GOOD;
 }
 
+/* The mean of the corners' normals: on a slope that is lit smoothly they differ. */
+static void mean_normal(const struct pkg_mesh_vertex corner[3], int8_t oct[2])
+{
+	struct dvec3 sum = { 0 };
+	memcpy(oct, corner[2].normal_oct, 2);
+	if (!memcmp(corner[0].normal_oct, oct, 2) && !memcmp(corner[1].normal_oct, oct, 2))
+		return;
+	for (int i = 0; i < 3; i++) {
+		struct dvec3 normal = oct_unit_normal(corner[i].normal_oct);
+		sum = (struct dvec3){ sum.x + normal.x, sum.y + normal.y, sum.z + normal.z };
+	}
+	if (sum.x != 0 || sum.y != 0 || sum.z != 0)
+		oct_encode(sum, oct);
+}
+
 static void add_triangle(struct capture_batch *batch, const struct pkg *pkg, const struct pkg_mesh_vertex *vertices,
 	const uint16_t corner[3], struct capture_triangle triangle)
 {
 	struct pkg_mesh_vertex *to = &batch->vertices.items[batch->vertices.count];
 	for (int i = 0; i < 3; i++)
 		to[i] = vertices[corner[i]];
+	mean_normal(to, triangle.normal_oct);
 	/* what GL takes as constant over a triangle comes from its last vertex */
-	memcpy(triangle.normal_oct, to[2].normal_oct, sizeof(triangle.normal_oct));
 	triangle.kind = pkg->materials[to[2].material].kind;
 	triangle.seed = to[2].seed;
 	batch->vertices.count += 3;

@@ -4,7 +4,10 @@
  */
 #include "tools/impostor/capture_pixels.h"
 
+#include <math.h>
 #include <string.h>
+
+#define PINHOLE_SAME 1e-3f /* of a disparity: planes that agree so well at a pixel are one surface there */
 
 static struct dvec3 cross(struct dvec3 a, struct dvec3 b)
 {
@@ -101,11 +104,82 @@ static void fill_pixel(struct capture_pixel *out, const struct capture_triangle 
 	};
 }
 
+struct pinholes {
+	const struct pkg *pkg;
+	const struct capture_batch *batch;
+	struct capture_planes *planes;
+	const struct capture_view *view;
+};
+
+static uint8_t kind_of(const struct pinholes *in, uint32_t seen)
+{
+	return in->batch->triangles.items[seen - 1].kind;
+}
+
+static float disparity_on(const struct capture_plane *plane, uint32_t x, uint32_t y)
+{
+	return (float)(plane->at_origin + plane->per_x * (x + 0.5) + plane->per_y * (y + 0.5));
+}
+
+static bool same_kind(const struct pinholes *in, uint32_t a, uint32_t b)
+{
+	return a && b ? kind_of(in, a) == kind_of(in, b) : a == b;
+}
+
+/* What is seen beside a pinhole: one pixel on, or two where it is two pixels long. */
+static uint32_t beside(const struct pinholes *in, const uint32_t *at, ptrdiff_t step)
+{
+	return same_kind(in, at[step], *at) ? at[2 * step] : at[step];
+}
+
+/* What a pixel should show where all around it is one sheet of water and it shows something else, no nearer; or 0. */
+static uint32_t behind_pinhole(const struct pinholes *in, const uint32_t *seen, uint32_t x, uint32_t y)
+{
+	const ptrdiff_t width = in->view->width;
+	const uint32_t *at = seen + (ptrdiff_t)y * width + x;
+	const uint32_t around[4] = { beside(in, at, -1), beside(in, at, 1), beside(in, at, -width), beside(in, at, width) };
+	float low = INFINITY, high = 0, slope = 0;
+	if (*at && kind_of(in, *at) == PKG_MATERIAL_WATER)
+		return 0;
+	for (int i = 0; i < 4; i++) {
+		if (!around[i] || kind_of(in, around[i]) != PKG_MATERIAL_WATER)
+			return 0;
+		const struct capture_plane *plane = plane_of(in->planes, in->pkg, in->batch, around[i] - 1, in->view);
+		low = fminf(low, disparity_on(plane, x, y));
+		high = fmaxf(high, disparity_on(plane, x, y));
+		slope = (float)(fabs(plane->per_x) + fabs(plane->per_y));
+	}
+	if (low < high * (1 - PINHOLE_SAME))
+		return 0;
+	/* what stands on the edge itself is as near as the surface a pixel on */
+	float own = *at ? disparity_on(plane_of(in->planes, in->pkg, in->batch, *at - 1, in->view), x, y) : 0;
+	return own <= high + slope ? around[0] : 0;
+}
+
+/* Where sheets of open water share an edge but not its vertices, a pixel here and there falls between them. An impostor
+ * would make a spot of three pixels of what shows through. */
+static void close_pinholes(const struct pinholes *in, uint32_t *seen, uint8_t *rgba)
+{
+	const uint32_t width = in->view->width;
+	for (uint32_t y = 2; y + 2 < in->view->height; y++) {
+		for (uint32_t x = 2; x + 2 < width; x++) {
+			size_t at = (size_t)y * width + x;
+			uint32_t shown = seen[at] == seen[at - 1] ? 0 : behind_pinhole(in, seen, x, y);
+			if (!shown)
+				continue;
+			seen[at] = shown;
+			if (rgba)
+				memcpy(rgba + 4 * at, rgba + 4 * (at - 1), 4);
+		}
+	}
+}
+
 void capture_pixels_fill(const struct pkg *pkg, const struct capture_batch *batch, struct capture_planes *planes,
-	const uint32_t *seen, struct capture_image *out)
+	uint32_t *seen, uint8_t *rgba, struct capture_image *out)
 {
 	const struct capture_view *view = &out->view;
 	start_drawing(planes, batch->triangles.count);
+	close_pinholes(&(struct pinholes){ pkg, batch, planes, view }, seen, rgba);
 	for (uint32_t y = 0; y < view->height; y++) {
 		const uint32_t *from = seen + (size_t)y * view->width;
 		struct capture_pixel *to = out->pixels + (size_t)y * view->width;

@@ -16,9 +16,10 @@ struct capture_planes {
 	uint32_t drawing;
 };
 
-/* `seen`: the triangle + 1 at each pixel's centre. Fills in out->pixels. */
+/* `seen`: the triangle + 1 at each pixel's centre; `rgba` NULL or the colours there. Single pixels between pieces of
+ * one surface, through which something behind it shows, are closed in both. Fills in out->pixels. */
 void capture_pixels_fill(const struct pkg *pkg, const struct capture_batch *batch, struct capture_planes *planes,
-	const uint32_t *seen, struct capture_image *out);
+	uint32_t *seen, uint8_t *rgba, struct capture_image *out);
 
 /* `rgba` at the pixels' centres; `fine_seen` and `fine_rgba` of the same view at twice the resolution. A pixel's colour
  * is the mean of the five samples in it that show the same object, shaded alike, as its centre: nothing of what is in

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "platform/base/rng.h"
-#include "tools/impostor/surface_match.h"
+#include "tools/impostor/oct_normal.h"
 
 #define SLOTS_MIN 64
 #define SPREAD_MIN 4.0 /* px^2 added to the spread of positions: a crown of a few pixels has one normal */
@@ -45,9 +45,8 @@ static struct crown *crown_of(struct foliage_light *light, uint32_t object)
 
 static void add_pixel(struct crown *crown, const int8_t oct[2], double x, double y)
 {
-	struct dvec3 normal = surface_normal(oct);
-	double scale = 1 / sqrt(normal.x * normal.x + normal.y * normal.y + normal.z * normal.z);
-	const double unit[3] = { normal.x * scale, normal.y * scale, normal.z * scale };
+	struct dvec3 normal = oct_unit_normal(oct);
+	const double unit[3] = { normal.x, normal.y, normal.z };
 	crown->pixels++;
 	crown->x += x;
 	crown->y += y;
@@ -83,19 +82,6 @@ void foliage_light_finish(struct foliage_light *light)
 	ARRAY_FINISH(&light->slots);
 }
 
-static void encode(const double normal[3], int8_t oct[2])
-{
-	double sum = fabs(normal[0]) + fabs(normal[1]) + fabs(normal[2]);
-	double x = normal[0] / sum, y = normal[1] / sum;
-	if (normal[2] < 0) {
-		double folded = copysign(1 - fabs(y), x);
-		y = copysign(1 - fabs(x), y);
-		x = folded;
-	}
-	oct[0] = (int8_t)lround(127 * x);
-	oct[1] = (int8_t)lround(127 * y);
-}
-
 bool foliage_light_at(const struct foliage_light *light, uint32_t object, double x, double y, int8_t normal_oct[2])
 {
 	uint32_t slot = *slot_of(light, object);
@@ -118,6 +104,7 @@ bool foliage_light_at(const struct foliage_light *light, uint32_t object, double
 	bool fits = squares > LENGTH_MIN * LENGTH_MIN;
 	if (!fits && mean[0] == 0 && mean[1] == 0 && mean[2] == 0)
 		return false;
-	encode(fits ? fitted : mean, normal_oct);
+	const double *taken = fits ? fitted : mean;
+	oct_encode((struct dvec3){ taken[0], taken[1], taken[2] }, normal_oct);
 	return true;
 }

@@ -54,7 +54,7 @@ static double sharpness(double focal_px, struct dvec3 eye, struct dvec3 point, c
 	double distance2 = to_eye.x * to_eye.x + to_eye.y * to_eye.y + to_eye.z * to_eye.z;
 	if (pixel->kind == PKG_MATERIAL_FOLIAGE)
 		return focal_px / sqrt(distance2);
-	struct dvec3 normal = surface_normal(pixel->normal_oct);
+	struct dvec3 normal = oct_normal(pixel->normal_oct);
 	double length = sqrt(normal.x * normal.x + normal.y * normal.y + normal.z * normal.z);
 	double facing = normal.x * to_eye.x + normal.y * to_eye.y + normal.z * to_eye.z;
 	return focal_px * fabs(facing) / (length * distance2);

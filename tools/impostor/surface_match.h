@@ -7,26 +7,15 @@
 #include <stdlib.h>
 
 #include "tools/impostor/capture.h"
+#include "tools/impostor/oct_normal.h"
 
 #define SURFACE_COSINE_MIN 0.7 /* between normals of one surface; stored normals are coarse and walls may be round */
-
-/* The octahedral map's inverse (Meyer et al. 2010); not scaled to unit length. */
-static inline struct dvec3 surface_normal(const int8_t oct[2])
-{
-	double x = oct[0] / 127.0, y = oct[1] / 127.0, z = 1 - fabs(x) - fabs(y);
-	if (z < 0) {
-		double folded = copysign(1 - fabs(y), x);
-		y = copysign(1 - fabs(x), y);
-		x = folded;
-	}
-	return (struct dvec3){ x, y, z };
-}
 
 static inline bool surface_normals_agree(const int8_t a[2], const int8_t b[2])
 {
 	if (abs(a[0] - b[0]) + abs(a[1] - b[1]) < 24)
 		return true;
-	struct dvec3 m = surface_normal(a), n = surface_normal(b);
+	struct dvec3 m = oct_normal(a), n = oct_normal(b);
 	double dot = m.x * n.x + m.y * n.y + m.z * n.z;
 	double squares = (m.x * m.x + m.y * m.y + m.z * m.z) * (n.x * n.x + n.y * n.y + n.z * n.z);
 	return dot > 0 && dot * dot > SURFACE_COSINE_MIN * SURFACE_COSINE_MIN * squares;

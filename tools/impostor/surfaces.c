@@ -9,11 +9,12 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "tools/impostor/oct_normal.h"
 #include "tools/impostor/surface_merger.h"
 
 #define TINY_PX2 15.0 /* of the screen */
 #define SMALL_PX2 40.0
-#define NORMALS_DOT 0.9f
+#define NORMALS_DOT 0.9
 #define PIECE_TRIES 32  /* neighbours of a piece that are looked at */
 #define STALE_SLACK 1.1 /* a border that got this much worse since it was queued goes back in the queue */
 
@@ -64,20 +65,6 @@ static int light_class(uint8_t kind)
 	}
 }
 
-static void normal_of(const int8_t oct[2], float out[3])
-{
-	float x = (float)oct[0] / 127, y = (float)oct[1] / 127, z = 1 - fabsf(x) - fabsf(y);
-	if (z < 0) {
-		float folded = (1 - fabsf(y)) * (x < 0 ? -1.0f : 1.0f);
-		y = (1 - fabsf(x)) * (y < 0 ? -1.0f : 1.0f);
-		x = folded;
-	}
-	float scale = 1 / sqrtf(x * x + y * y + z * z);
-	out[0] = x * scale;
-	out[1] = y * scale;
-	out[2] = z * scale;
-}
-
 static bool may_join(const struct merger *merger, uint32_t a, uint32_t b)
 {
 	uint32_t pixels_a = merger->seeds.fits.items[a].pixels, pixels_b = merger->seeds.fits.items[b].pixels;
@@ -90,10 +77,8 @@ static bool may_join(const struct merger *merger, uint32_t a, uint32_t b)
 	bool crown = kind_a->kind == PKG_MATERIAL_FOLIAGE && kind_a->object == kind_b->object;
 	if (smaller <= SMALL_PX2 * merger->per_px2 || crown || memcmp(kind_a->normal_oct, kind_b->normal_oct, 2) == 0)
 		return true;
-	float normal_a[3], normal_b[3];
-	normal_of(kind_a->normal_oct, normal_a);
-	normal_of(kind_b->normal_oct, normal_b);
-	return normal_a[0] * normal_b[0] + normal_a[1] * normal_b[1] + normal_a[2] * normal_b[2] >= NORMALS_DOT;
+	struct dvec3 m = oct_unit_normal(kind_a->normal_oct), n = oct_unit_normal(kind_b->normal_oct);
+	return m.x * n.x + m.y * n.y + m.z * n.z >= NORMALS_DOT;
 }
 
 static void join(struct merger *merger, uint32_t a, uint32_t b, const struct plane *plane)
