@@ -11,6 +11,7 @@
 #include "render/sun.h"
 #include "tests/render/fake_city.h"
 #include "tools/impostor/capture.h"
+#include "tools/impostor/capture_pixels.h"
 
 /* The driver keeps what it allocated when it is unloaded. */
 const char *__asan_default_options(void);
@@ -349,6 +350,50 @@ static void colour_does_not_reach_over_an_objects_edge(void **state)
 	triangle_set_finish(&set);
 }
 
+static uint32_t first_of_kind(const struct capture_batch *batch, uint8_t kind)
+{
+	uint32_t at = 0;
+	while (at < batch->triangles.count && batch->triangles.items[at].kind != kind)
+		at++;
+	assert_true(at < batch->triangles.count);
+	return at + 1;
+}
+
+/* From above, all of it one sheet of water, with holes and with a roof that stands out of it. */
+static void pinholes_in_water_are_closed(void **state)
+{
+	(void)state;
+	static uint32_t seen[W * H];
+	static uint8_t rgba[W * H * 4];
+	static struct capture_pixel pixels[W * H];
+	const size_t hole = 100 * W + 100, longer = 60 * W + 50, wide = 140 * W + 50, roof = 30 * W + 30;
+	struct capture_batch batch = { 0 };
+	struct capture_planes planes = { 0 };
+	struct capture_image out = { .view = view_of(&places[3]), .pixels = pixels };
+	city.materials[FAKE_ROAD].kind = PKG_MATERIAL_WATER;
+	capture_batch_fill(&batch, &city.pkg, &whole);
+	city.materials[FAKE_ROAD].kind = PKG_MATERIAL_GROUND;
+	uint32_t water = first_of_kind(&batch, PKG_MATERIAL_WATER);
+	for (size_t i = 0; i < (size_t)W * H; i++)
+		seen[i] = water;
+	seen[hole] = seen[longer] = seen[longer + 1] = 0;
+	for (size_t i = 0; i < 9; i++)
+		seen[wide + i % 3 + i / 3 * W] = 0;
+	seen[roof] = first_of_kind(&batch, PKG_MATERIAL_ROOF);
+	memset(rgba, 9, sizeof(rgba));
+	memset(rgba + 4 * hole, 0, 4);
+	capture_pixels_fill(&city.pkg, &batch, &planes, seen, rgba, &out);
+	assert_int_equal(pixels[hole].kind, PKG_MATERIAL_WATER);
+	assert_true(fabsf(2 * pixels[hole].disparity - pixels[hole - 1].disparity - pixels[hole + 1].disparity) < 1e-6f);
+	assert_int_equal(rgba[4 * hole], 9);
+	assert_int_equal(pixels[longer].kind, PKG_MATERIAL_WATER);
+	assert_int_equal(pixels[longer + 1].kind, PKG_MATERIAL_WATER);
+	assert_int_equal(pixels[wide + 1 + W].object, 0);
+	assert_int_equal(pixels[roof].kind, PKG_MATERIAL_ROOF);
+	ARRAY_FINISH(&planes.items);
+	capture_batch_finish(&batch);
+}
+
 static void what_is_damaged_is_left_out(void **state)
 {
 	(void)state;
@@ -534,6 +579,7 @@ int main(void)
 		cmocka_unit_test(only_what_is_in_the_set_is_seen),
 		cmocka_unit_test(bounds_hold_what_is_drawn_and_little_more),
 		cmocka_unit_test(colour_does_not_reach_over_an_objects_edge),
+		cmocka_unit_test(pinholes_in_water_are_closed),
 		cmocka_unit_test(what_is_damaged_is_left_out),
 		cmocka_unit_test(lit_it_looks_like_a_frame),
 	};
