@@ -87,6 +87,12 @@ uint32_t cell_choice_make(struct cell_choice *choice, const struct nav_view *nav
 	return choice->stretch;
 }
 
+uint32_t cell_choice_take(struct cell_choice *choice, uint32_t stretch)
+{
+	choice->stretch = stretch;
+	return stretch;
+}
+
 uint32_t cell_choice_ahead(
 	struct cell_choice *choice, uint32_t place, const struct nav_view *nav, const int64_t eye_mm[3])
 {

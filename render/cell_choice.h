@@ -34,6 +34,10 @@ uint32_t cell_choice_make(struct cell_choice *choice, const struct nav_view *nav
 uint32_t cell_choice_ahead(
 	struct cell_choice *choice, uint32_t place, const struct nav_view *nav, const int64_t eye_mm[3]);
 
+/* Another one that holds the eye is drawn, because it is there and the chosen one is not: from now on it is the chosen
+ * one. Returns it. */
+uint32_t cell_choice_take(struct cell_choice *choice, uint32_t stretch);
+
 /* The stretch under the car, PKG_NONE when it is on no street with one. */
 uint32_t cell_choice_of_car(const struct pkg *pkg, const struct nav_view *nav);
 

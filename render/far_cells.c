@@ -112,6 +112,17 @@ static bool drawable(const struct far_cells *cells, uint32_t stretch, uint32_t *
 	return stretch != PKG_NONE && cell_cache_find(cells->cache, stretch, slot) == CELL_UPLOADED;
 }
 
+/* Of the stretches that are there, one whose view cell holds the eye: where streets meet, that is as good. */
+static uint32_t stand_in(const struct far_cells *cells, const int64_t eye_mm[3])
+{
+	for (uint32_t i = 0; i < cell_cache_slot_count(cells->cache); i++) {
+		const struct cell_slot *slot = cell_cache_slot(cells->cache, i);
+		if (slot->state == CELL_UPLOADED && cells_holds_eye(&cells->repr->pkg->stretches[slot->stretch], eye_mm))
+			return slot->stretch;
+	}
+	return PKG_NONE;
+}
+
 static void enter(struct far_cells *cells, uint32_t wanted, uint32_t slot, const struct repr_place *place)
 {
 	bool dissolves = cells->here != PKG_NONE && !place->jumped && cells->rung != CELLS_OUTSIDE;
@@ -169,6 +180,10 @@ void far_cells_select(struct far_cells *cells, const struct repr_place *place)
 	const int64_t *eye_mm = place->view->eye_mm;
 	uint32_t wanted = cell_choice_make(&cells->choice, place->nav, eye_mm), slot = CELL_SLOT_NONE;
 	ask(cells, wanted, place);
+	if (!drawable(cells, wanted, &slot)) {
+		uint32_t other = stand_in(cells, eye_mm);
+		wanted = other == PKG_NONE ? wanted : cell_choice_take(&cells->choice, other);
+	}
 	if (drawable(cells, wanted, &slot)) {
 		if (wanted != cells->here)
 			enter(cells, wanted, slot, place);

@@ -239,6 +239,20 @@ static void what_is_not_loaded_in_time_is_late_until_it_is(void **state)
 	stop(&f);
 }
 
+/* Where view cells overlap, the one that is loaded does. */
+static void what_is_there_and_holds_the_eye_stands_in(void **state)
+{
+	(void)state;
+	struct fixture f;
+	start(&f, &street, &(struct renderer_config){ .far_name = "impostor", .upload_slice_bytes = PKG_PAGE_BYTES });
+	frame(&f, 275.0, 0.0, EAST);
+	frame(&f, 95.0, 0.0, EAST);
+	assert_true(f.stats.far_late);
+	frame(&f, 247.0, 0.0, -EAST);
+	assert_false(f.stats.far_late || f.stats.far_fallback);
+	stop(&f);
+}
+
 static void geometry_cells_and_coarse_cells_show_their_visible_set(void **state)
 {
 	(void)state;
@@ -333,6 +347,7 @@ int main(void)
 		cmocka_unit_test(beside_the_street_all_geometry_around_stands_in),
 		cmocka_unit_test(without_a_place_nothing_falls_back_and_then_the_first_picture_has_its_cell),
 		cmocka_unit_test(what_is_not_loaded_in_time_is_late_until_it_is),
+		cmocka_unit_test(what_is_there_and_holds_the_eye_stands_in),
 		cmocka_unit_test(geometry_cells_and_coarse_cells_show_their_visible_set),
 		cmocka_unit_test(a_package_without_a_far_field_has_no_impostors),
 		cmocka_unit_test(a_stretch_is_kept_while_its_view_cell_holds_the_eye),
