@@ -112,7 +112,8 @@ static bool drawable(const struct far_cells *cells, uint32_t stretch, uint32_t *
 	return stretch != PKG_NONE && cell_cache_find(cells->cache, stretch, slot) == CELL_UPLOADED;
 }
 
-/* Of the stretches that are there, one whose view cell holds the eye: where streets meet, that is as good. */
+/* Of the stretches that are there, one whose view cell holds the eye, or the one that is drawn while the eye is on its
+ * brim: where streets meet, that is as good. */
 static uint32_t stand_in(const struct far_cells *cells, const int64_t eye_mm[3])
 {
 	for (uint32_t i = 0; i < cell_cache_slot_count(cells->cache); i++) {
@@ -120,7 +121,9 @@ static uint32_t stand_in(const struct far_cells *cells, const int64_t eye_mm[3])
 		if (slot->state == CELL_UPLOADED && cells_holds_eye(&cells->repr->pkg->stretches[slot->stretch], eye_mm))
 			return slot->stretch;
 	}
-	return PKG_NONE;
+	bool on_brim =
+		cells->here != PKG_NONE && cells_distance_m(&cells->repr->pkg->stretches[cells->here], eye_mm) <= BRIM_M;
+	return on_brim ? cells->here : PKG_NONE;
 }
 
 static void enter(struct far_cells *cells, uint32_t wanted, uint32_t slot, const struct repr_place *place)
