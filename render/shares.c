@@ -1,6 +1,7 @@
 #include "render/shares.h"
 
 #include <errno.h>
+#include <math.h>
 
 #include "platform/base/log.h"
 #include "render/cell_store.h"
@@ -66,10 +67,11 @@ static int share_around(struct shares *shares, struct arena *arena, const struct
 	uint64_t bound = config->pkg->meta->resident_bound_bytes;
 	bound = bound > need->sum ? bound : need->sum;
 	if (bound > left) {
+		double left_mib = floor(10.0 * mib(left)) / 10.0; /* rounded up it may look like enough */
 		log_error(
 			"the package needs %.1f MiB resident for its cells, a budget of %.1f MiB leaves %.1f MiB at %u x %u and %u "
 			"samples",
-			mib(bound), mib(config->budget_bytes ? config->budget_bytes : config->gpu_bytes), mib(left), config->width,
+			mib(bound), mib(config->budget_bytes ? config->budget_bytes : config->gpu_bytes), left_mib, config->width,
 			config->height, config->samples);
 		return -EFBIG;
 	}
