@@ -34,15 +34,8 @@ vec3 water(vec3 body)
 	wave += 0.5 * cos(dot(at, vec2(3.1, 2.3)) + t * 1.7);
 	float calm = 0.028 / (1.0 + distance_m * 0.03); // seen flat, waves are less than a pixel
 	vec3 n = normalize(vec3(wave * calm, 1.0));
-	vec3 r = reflect(-to_eye, n);
-	vec3 sky = encode_srgb(mix(haze.rgb, zenith.rgb, clamp(r.z * 1.6, 0.0, 1.0)) * 0.9);
-	float facing = 1.0 - max(dot(to_eye, n), 0.0), square = facing * facing;
-	float fresnel = 0.03 + 0.75 * square * square * facing;
-	float spark = pow(max(dot(r, sun_direction.xyz), 0.0), 180.0) * (1.0 - sun_direction.w);
-	vec4 between = air(v_from_eye, distance_m);
-	float share = sqrt(fresnel);
-	vec3 shine = sky * share + sqrt(sun_color.rgb) * (spark * 0.6);
-	return body * (1.0 - share) + between.rgb * share + shine * between.w;
+	vec4 shine = water_shine(n, to_eye), between = air(v_from_eye, distance_m);
+	return body * (1.0 - shine.w) + between.rgb * shine.w + shine.rgb * between.w;
 }
 #endif
 

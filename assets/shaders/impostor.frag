@@ -40,16 +40,6 @@ vec3 far_rooms()
 }
 #endif
 
-// As city.frag has it, without waves: seen flat, they are less than a pixel.
-vec3 flat_water(vec3 body, vec3 to_eye)
-{
-	float facing = 1.0 - max(to_eye.z, 0.0), square = facing * facing;
-	float share = sqrt(0.03 + 0.75 * square * square * facing);
-	vec3 sky = encode_srgb(mix(haze.rgb, zenith.rgb, clamp(to_eye.z * 1.6, 0.0, 1.0)) * 0.9);
-	float spark = pow(max(dot(vec3(-to_eye.xy, to_eye.z), sun_direction.xyz), 0.0), 180.0) * (1.0 - sun_direction.w);
-	return body * (1.0 - share) + sky * share + sqrt(sun_color.rgb) * (spark * 0.6);
-}
-
 #ifdef WIRE
 void main()
 {
@@ -74,8 +64,10 @@ void main()
 #endif
 	vec3 color = texel.rgb * paint + v_glass * glass;
 	highp float distance_m = length(v_from_eye);
-	if (v_what.z == KIND_WATER)
-		color = flat_water(color, v_from_eye * (-1.0 / max(distance_m, 0.001)));
+	if (v_what.z == KIND_WATER) { // without waves: seen flat, they are less than a pixel
+		vec4 shine = water_shine(vec3(0.0, 0.0, 1.0), v_from_eye * (-1.0 / max(distance_m, 0.001)));
+		color = color * (1.0 - shine.w) + shine.rgb;
+	}
 	vec4 between = air(v_from_eye, distance_m);
 	color = color * between.w + between.rgb;
 #ifdef LIT

@@ -107,6 +107,17 @@ vec3 lamp_light(float glow)
 	return LAMP_LIGHT * (glow * sun_color.w) / by_day;
 }
 
+// What water with this normal mirrors: rgb sky and sun, encoded, w the share of its own colour that they take.
+vec4 water_shine(vec3 n, vec3 to_eye)
+{
+	vec3 r = reflect(-to_eye, n);
+	vec3 sky = encode_srgb(mix(haze.rgb, zenith.rgb, clamp(r.z * 1.6, 0.0, 1.0)) * 0.9);
+	float facing = 1.0 - max(dot(to_eye, n), 0.0), square = facing * facing;
+	float share = sqrt(0.03 + 0.75 * square * square * facing);
+	float spark = pow(max(dot(r, sun_direction.xyz), 0.0), 180.0) * (1.0 - sun_direction.w);
+	return vec4(sky * share + sqrt(sun_color.rgb) * (spark * 0.6), share);
+}
+
 highp float hash(highp vec3 p)
 {
 	p = fract(p * vec3(0.1031, 0.1130, 0.1370));

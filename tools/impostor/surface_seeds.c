@@ -3,6 +3,7 @@
  * squares. Linear in the pixels.
  */
 #include "tools/impostor/surface_seeds.h"
+#include "tools/impostor/oct_normal.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,17 +25,12 @@ static void use_normal(struct slopes *slopes, const int8_t oct[2])
 		return;
 	memcpy(slopes->oct, oct, sizeof(slopes->oct));
 	slopes->valid = true;
-	double x = oct[0] / 127.0, y = oct[1] / 127.0, z = 1 - fabs(x) - fabs(y);
-	if (z < 0) {
-		double folded = (1 - fabs(y)) * (x < 0 ? -1 : 1);
-		y = (1 - fabs(x)) * (y < 0 ? -1 : 1);
-		x = folded;
-	}
-	double scale = 1 / sqrt(x * x + y * y + z * z);
+	struct dvec3 n = oct_normal(oct);
+	double scale = 1 / sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
 	const struct capture_view *view = slopes->view;
-	slopes->normal = (struct dvec3){ scale * (x * view->right.x + y * view->right.y + z * view->right.z),
-		scale * (x * view->up.x + y * view->up.y + z * view->up.z),
-		scale * (x * view->forward.x + y * view->forward.y + z * view->forward.z) };
+	slopes->normal = (struct dvec3){ scale * (n.x * view->right.x + n.y * view->right.y + n.z * view->right.z),
+		scale * (n.x * view->up.x + n.y * view->up.y + n.z * view->up.z),
+		scale * (n.x * view->forward.x + n.y * view->forward.y + n.z * view->forward.z) };
 }
 
 /* Slopes of the disparity at a pixel whose surface has this normal: w / (n . d) is constant on a plane. */
