@@ -4,6 +4,7 @@
  *   board_screen watch SECONDS     one line of JSON: pictures, the longest time between two, time without any
  *   board_screen colours FILE.png  how many different colours it has, of 4096: a plain picture has few
  *   board_screen differ A.png B.png    how many pixels differ clearly
+ *   board_screen pixel FILE.png X Y    its colour there, RRGGBB
  * The plain kernel interface is enough; dumb and linear buffers only, which is what a machine without a GPU scans out.
  */
 #include <drm.h>
@@ -207,16 +208,33 @@ static int count_differences(const char *path_a, const char *path_b)
 	return EXIT_SUCCESS;
 }
 
+static int tell_pixel(const char *path, int x, int y)
+{
+	struct picture picture;
+	if (!load(&picture, path))
+		return EXIT_FAILURE;
+	if (x < 0 || y < 0 || (uint32_t)x >= picture.image.width || (uint32_t)y >= picture.image.height) {
+		fprintf(stderr, "board_screen: %s is of %u x %u pixels\n", path, picture.image.width, picture.image.height);
+		return EXIT_FAILURE;
+	}
+	const uint8_t *p = picture.pixels + ((size_t)y * picture.image.width + (size_t)x) * 4;
+	printf("%02X%02X%02X\n", p[0], p[1], p[2]);
+	return EXIT_SUCCESS;
+}
+
 int main(int argc, char **argv)
 {
 	if (argc == 3 && !strcmp(argv[1], "colours"))
 		return count_colours(argv[2]);
 	if (argc == 4 && !strcmp(argv[1], "differ"))
 		return count_differences(argv[2], argv[3]);
+	if (argc == 5 && !strcmp(argv[1], "pixel"))
+		return tell_pixel(argv[2], atoi(argv[3]), atoi(argv[4]));
 	struct screen_source source;
 	bool shot = argc == 3 && !strcmp(argv[1], "shot");
 	if (!shot && !(argc == 3 && !strcmp(argv[1], "watch") && atof(argv[2]) > 0)) {
-		fprintf(stderr, "usage: board_screen shot FILE.png | watch SECONDS | colours FILE.png | differ A.png B.png\n");
+		fprintf(stderr, "usage: board_screen shot FILE.png | watch SECONDS | colours FILE.png | differ A.png B.png |"
+						" pixel FILE.png X Y\n");
 		return 2;
 	}
 	if (!find_screen(&source))

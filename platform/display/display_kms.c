@@ -97,7 +97,12 @@ static void panel_brightness(struct display *display, float level)
 
 static void panel_pump(struct display *display)
 {
+	bool was_shut_out = kms.shut_out;
 	kms_pump(&kms, clock_now_ns());
+	if (kms.shut_out && !was_shut_out) {
+		log_warn("%s: the screen is free, for a program that starts now; ending for it", kms.device);
+		display_push(display, &(struct display_event){ .kind = DISPLAY_EVENT_CLOSE });
+	}
 	refresh(display);
 	describe(display);
 }

@@ -122,6 +122,12 @@ struct kms_vt {
 	bool away; /* another terminal is in front */
 };
 
+/* A black picture for whoever is left with the screen. */
+struct kms_dark {
+	struct kms_dumb_buffer buffer;
+	uint32_t fb; /* 0: none */
+};
+
 struct kms_hotplug {
 	int fd; /* of the kernel's messages; -1: the panel is asked now and then */
 	int64_t asked_ns;
@@ -151,6 +157,8 @@ struct kms {
 	unsigned plane_turn_deg; /* what the plane turns */
 	uint32_t mode_blob;      /* of output.mode; 0 none */
 	struct kms_frame on_screen, pending;
+	struct kms_dark dark;
+	bool shut_out; /* the screen is free, but this opening of the device cannot have it: see kms_pump() */
 	int64_t flip_asked_ns;
 	int64_t retry_ns; /* when to try again for the screen or the panel */
 	struct kms_gbm_state gbm;
@@ -165,7 +173,9 @@ struct kms {
  * as it is until the first kms_show(). */
 int kms_open(struct kms *kms, const struct kms_drm *drm, const struct display_config *config);
 void kms_close(struct kms *kms);
-/* Terminals, panels, flips: whatever has happened. Never waits. */
+/* Terminals, panels, flips: whatever has happened. Never waits, but where another terminal is asked for: for the
+ * picture before. Sets `shut_out` when the process has to end to have the screen: without root only who opens a free
+ * device gets it, and this one was opened while another program had it. */
 void kms_pump(struct kms *kms, int64_t now_ns);
 /* Shows what was drawn. Waits for the picture before, at most for a second. A picture that cannot be shown is dropped
  * and counted; that is no failure. */
@@ -190,7 +200,9 @@ int kms_output_find(struct kms *kms, struct kms_output *out);
 /* Asks the panel again: connected, modes. */
 void kms_output_ask(struct kms *kms, struct kms_output *output);
 
-/* kms_vt.c. Not being able to is a debug message. */
+/* kms_vt.c. `name`: a terminal's device; "none"; NULL or "auto": the terminal that is our input, else the active one.
+ * Comes to the front, but not where a program was killed behind another terminal: then `away` is set until somebody
+ * switches. Not being able to is a warning where the name is a terminal's, else a debug message. */
 void kms_vt_open(struct kms_vt *vt, const char *name);
 void kms_vt_close(struct kms_vt *vt);
 enum kms_vt_change { KMS_VT_SAME, KMS_VT_LEAVING, KMS_VT_ENTERED };
@@ -208,6 +220,8 @@ bool kms_hotplug_poll(struct kms_hotplug *hotplug, int64_t now_ns);
 void kms_dim_open(struct kms *kms);
 void kms_dim_close(struct kms *kms);
 void kms_dim_set(struct kms *kms, float level);
+/* For whoever has the screen next: full light by the device, and a backlight that is not off. */
+void kms_dim_rest(struct kms *kms);
 /* Puts the present level onto a device that may have forgotten it. */
 void kms_dim_again(struct kms *kms);
 

@@ -189,6 +189,44 @@ static void ask_panel(struct kms *kms)
 /* --- whose screen it is --------------------------------------------------------------------------------------------
  */
 
+/* A picture that stands would be taken for a live one, the reversing camera's above all, and nobody may come who draws
+ * over it. */
+static void go_dark(struct kms *kms)
+{
+	struct kms_dark *dark = &kms->dark;
+	uint32_t width, height;
+	if (kms->state != KMS_ON)
+		return;
+	kms_size(kms, &width, &height);
+	int err = kms->drm->create_dumb(kms->fd, width, height, &dark->buffer);
+	if (!err)
+		err = kms->drm->add_fb(
+			kms->fd, width, height, dark->buffer.handle, dark->buffer.pitch, DRM_FORMAT_MOD_INVALID, &dark->fb);
+	if (!err)
+		err = kms->commit->modeset(kms, dark->fb);
+	if (err)
+		log_warn("%s: the last picture stands: %s", kms->output.name, strerror(-err));
+}
+
+static void end_dark(struct kms *kms)
+{
+	if (kms->dark.fb)
+		kms->drm->remove_fb(kms->fd, kms->dark.fb);
+	kms->drm->destroy_dumb(kms->fd, &kms->dark.buffer);
+	kms->dark = (struct kms_dark){ 0 };
+}
+
+/* Who was never its master and is not root gets the screen by opening the device, in no other way. */
+static bool is_shut_out(const struct kms *kms)
+{
+	int fd = kms->drm->open(kms->device);
+	if (fd < 0)
+		return false;
+	bool is_free = !kms->drm->set_master(fd);
+	kms->drm->close(fd);
+	return is_free;
+}
+
 static void lose_screen(struct kms *kms)
 {
 	if (kms->state == KMS_FRESH || kms->state == KMS_ON)
@@ -201,8 +239,10 @@ static void lose_screen(struct kms *kms)
 static void regain_screen(struct kms *kms)
 {
 	int err = kms->drm->set_master(kms->fd);
-	if (err)
+	if (err) {
+		kms->shut_out = (err == -EACCES || err == -EPERM) && is_shut_out(kms);
 		return;
+	}
 	log_info("%s: the screen is ours", kms->device);
 	kms->is_master = true;
 	forget_pictures(kms);
@@ -219,6 +259,8 @@ static void follow_terminal(struct kms *kms)
 	case KMS_VT_LEAVING:
 		log_info("another terminal: the screen is let go");
 		kms_wait(kms);
+		kms_dim_rest(kms);
+		go_dark(kms);
 		lose_screen(kms);
 		kms->drm->drop_master(kms->fd);
 		kms_vt_leave(&kms->vt);
@@ -272,6 +314,7 @@ static void set_mode(struct kms *kms, struct kms_frame *frame)
 	kms->state = KMS_ON;
 	kms->counts.modesets++;
 	now_on_screen(kms, frame);
+	end_dark(kms);
 	kms->output.shown_before = true;
 	kms_dim_again(kms);
 }
@@ -388,6 +431,19 @@ static int open_buffers(struct kms *kms)
 	return err;
 }
 
+/* Not from behind another terminal: opening a device that nobody has made us its master. */
+static void take_screen(struct kms *kms)
+{
+	if (kms->vt.away) {
+		log_info("another terminal is in front; waiting for ours");
+		kms->drm->drop_master(kms->fd);
+		return;
+	}
+	kms->is_master = !kms->drm->set_master(kms->fd);
+	if (!kms->is_master)
+		log_warn("%s: another program has the screen; waiting for it", kms->device);
+}
+
 int kms_open(struct kms *kms, const struct kms_drm *drm, const struct display_config *config)
 {
 	*kms = (struct kms){ .drm = drm, .config = config, .fd = -1 };
@@ -401,9 +457,8 @@ int kms_open(struct kms *kms, const struct kms_drm *drm, const struct display_co
 		log_error("%s: no panel to be had: %s", config->device ? config->device : "/dev/dri/card*", strerror(-err));
 		return -ENODEV;
 	}
-	kms->is_master = !drm->set_master(kms->fd);
-	if (!kms->is_master)
-		log_warn("%s: another program has the screen; waiting for it", kms->device);
+	kms_vt_open(&kms->vt, config->vt);
+	take_screen(kms);
 	kms_hotplug_open(&kms->hotplug);
 	if (kms->output.connected)
 		choose_way(kms);
@@ -414,7 +469,6 @@ int kms_open(struct kms *kms, const struct kms_drm *drm, const struct display_co
 		kms_close(kms);
 		return -ENODEV;
 	}
-	kms_vt_open(&kms->vt, config->vt);
 	kms_dim_open(kms);
 	kms->state = !kms->output.connected ? KMS_NO_PANEL : kms->is_master ? KMS_FRESH : KMS_AWAY;
 	return 0;
@@ -428,6 +482,7 @@ void kms_close(struct kms *kms)
 		kms->buffers->close(kms);
 	}
 	kms_dim_close(kms);
+	end_dark(kms);
 	if (kms->mode_blob)
 		kms->drm->destroy_blob(kms->fd, kms->mode_blob);
 	kms_vt_close(&kms->vt);

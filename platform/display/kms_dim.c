@@ -72,11 +72,7 @@ void kms_dim_open(struct kms *kms)
 void kms_dim_close(struct kms *kms)
 {
 	struct kms_dim *dim = &kms->dim;
-	/* whoever comes next does not know */
-	if (dim->way == KMS_DIM_DEVICE && dim->shown < 1.0f)
-		kms_dim_set(kms, 1.0f);
-	if (dim->backlight_fd >= 0 && dim->way == KMS_DIM_BACKLIGHT && dim->shown <= 0.0f)
-		write_backlight(dim, dim->backlight_found ? dim->backlight_found : dim->backlight_max);
+	kms_dim_rest(kms);
 	if (dim->backlight_fd >= 0)
 		close(dim->backlight_fd);
 	dim->backlight_fd = -1;
@@ -115,8 +111,23 @@ void kms_dim_set(struct kms *kms, float level)
 		apply(kms);
 }
 
+void kms_dim_rest(struct kms *kms)
+{
+	struct kms_dim *dim = &kms->dim;
+	float wanted = dim->wanted;
+	if (dim->way == KMS_DIM_DEVICE && dim->shown < 1.0f)
+		kms_dim_set(kms, 1.0f);
+	dim->wanted = wanted;
+	if (dim->way == KMS_DIM_BACKLIGHT && dim->backlight_fd >= 0 && dim->shown <= 0.0f) {
+		write_backlight(dim, dim->backlight_found ? dim->backlight_found : dim->backlight_max);
+		dim->shown = -1.0f; /* no longer what was wanted */
+	}
+}
+
 void kms_dim_again(struct kms *kms)
 {
-	if (kms->dim.way == KMS_DIM_DEVICE && (kms->dim.wanted < 1.0f || kms->dim.shown < 1.0f))
+	const struct kms_dim *dim = &kms->dim;
+	bool forgotten = dim->way == KMS_DIM_DEVICE && (dim->wanted < 1.0f || dim->shown < 1.0f);
+	if (forgotten || dim->shown < 0.0f)
 		apply(kms);
 }

@@ -28,6 +28,8 @@ const char *__asan_default_options(void)
 /* The device: what it is, what it was asked, and how it answers next. */
 static struct {
 	bool atomic, connected, master_taken, rotates;
+	bool never_master; /* not root, and opened while another program was the master: no asking helps */
+	int kept_fd;       /* of the display under test; others look and go */
 	bool shown_before; /* a boot splash in the first mode */
 	int refused_modes; /* the first so many fail every test */
 	int flip_error, modeset_error;
@@ -65,8 +67,10 @@ static void reset_device(void)
 static int fake_open(const char *path)
 {
 	(void)path;
-	device.opens++;
+	if (device.opens++ > device.closes)
+		return dup(device.kept_fd);
 	assert_int_equal(pipe(device.pipe), 0);
+	device.kept_fd = device.pipe[0];
 	return device.pipe[0];
 }
 
@@ -74,7 +78,8 @@ static void fake_close(int fd)
 {
 	device.closes++;
 	close(fd);
-	close(device.pipe[1]);
+	if (fd == device.kept_fd)
+		close(device.pipe[1]);
 }
 
 static int fake_client_cap(int fd, uint64_t capability, uint64_t value)
@@ -93,8 +98,9 @@ static int fake_cap(int fd, uint64_t capability, uint64_t *value)
 
 static int fake_set_master(int fd)
 {
-	(void)fd;
-	return device.master_taken ? -EACCES : 0;
+	if (device.never_master && fd == device.kept_fd)
+		return -EACCES;
+	return device.master_taken ? -EBUSY : 0;
 }
 
 static int fake_drop_master(int fd)
@@ -542,6 +548,24 @@ static void a_screen_taken_away_comes_back_with_a_modeset(void **state)
 	stop();
 }
 
+static void a_free_screen_that_is_refused_to_this_opening_is_told(void **state)
+{
+	(void)state;
+	reset_device();
+	device.master_taken = device.never_master = true;
+	if (!start())
+		skip();
+	assert_false(kms_visible(&kms));
+	int64_t now = clock_now_ns();
+	kms_pump(&kms, now + NS_PER_S);
+	assert_false(kms.shut_out);
+	device.master_taken = false; /* the other program ends */
+	kms_pump(&kms, now + 3 * NS_PER_S);
+	assert_true(kms.shut_out);
+	assert_false(kms_visible(&kms));
+	stop();
+}
+
 static void a_failing_flip_is_followed_by_a_modeset(void **state)
 {
 	(void)state;
@@ -658,6 +682,7 @@ int main(void)
 		cmocka_unit_test(a_panel_that_goes_and_comes_back_gets_a_modeset),
 		cmocka_unit_test(another_size_of_panel_gets_buffers_of_its_size),
 		cmocka_unit_test(a_screen_taken_away_comes_back_with_a_modeset),
+		cmocka_unit_test(a_free_screen_that_is_refused_to_this_opening_is_told),
 		cmocka_unit_test(a_failing_flip_is_followed_by_a_modeset),
 		cmocka_unit_test(an_answer_that_came_while_a_picture_took_long_counts),
 		cmocka_unit_test(a_plane_that_can_turns_the_picture_else_whoever_draws),
