@@ -156,6 +156,7 @@ static int open_screen(struct machine *m)
 		.width = o->width,
 		.height = o->height,
 		.samples = o->samples > 0 ? (uint32_t)o->samples : 1,
+		.plain_first = !o->frames, /* the first picture soon; pictures that are kept have all samples */
 		.get_proc = display_get_proc,
 		.turns = m->display.turn_deg || m->pace.brightness_night < 1.0f || m->pace.brightness_day < 1.0f,
 	};
@@ -344,6 +345,7 @@ static void count_map_frame(struct machine *m, const struct nav_view *view)
 		stats_phase(s, "picture", m->started_ns);
 		s->first_frame_ms = (double)(clock_now_ns() - m->started_ns) / 1e6;
 		arena_seal(&m->boot);
+		gfx_target_refine(m->screen.gfx, m->screen.target);
 		heap_large_pages(&m->heap, false);
 	}
 	city_drawn(&m->city);

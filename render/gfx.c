@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <errno.h>
 
+#include "platform/base/log.h"
 #include "render/gfx_backend.h"
 
 #define WINDOW_PASS UINT32_MAX /* no target, but the window */
@@ -291,8 +292,11 @@ int gfx_target_create(struct gfx *gfx, const struct gfx_target_desc *desc, gfx_t
 		granted.samples = gfx->caps.max_samples;
 	if (granted.samples < 2 || granted.ids)
 		granted.samples = 1;
-	gfx->targets[slot] =
-		(struct gfx_target_slot){ .desc = granted, .width = desc->width, .height = desc->height, .texture = texture };
+	gfx->targets[slot] = (struct gfx_target_slot){ .desc = granted,
+		.width = desc->width,
+		.height = desc->height,
+		.texture = texture,
+		.plain = granted.plain_first && granted.samples > 1 };
 	gfx->textures[texture_slot] = (struct gfx_texture_slot){
 		.desc = { .format = GFX_RGBA8,
 			.width = desc->width,
@@ -420,6 +424,21 @@ gfx_texture gfx_target_texture(const struct gfx *gfx, gfx_target target)
 uint32_t gfx_target_samples(const struct gfx *gfx, gfx_target target)
 {
 	return gfx_target_at(gfx, target)->desc.samples;
+}
+
+void gfx_target_refine(struct gfx *gfx, gfx_target target)
+{
+	struct gfx_target_slot *slot = gfx_target_at(gfx, target);
+	assert(!gfx->pass.id);
+	if (!slot->plain)
+		return;
+	slot->plain = false;
+	if (gfx->ops->target_refine(gfx, slot) == 0)
+		return;
+	log_warn("the GPU has no room for %u samples a pixel: one it is", slot->desc.samples);
+	gfx->stats.bytes -= gfx_target_bytes(&slot->desc);
+	slot->desc.samples = 1;
+	gfx->stats.bytes += gfx_target_bytes(&slot->desc);
 }
 
 void gfx_target_part(struct gfx *gfx, gfx_target target, uint32_t width, uint32_t height)

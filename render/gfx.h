@@ -100,6 +100,8 @@ struct gfx_target_desc {
 	uint32_t samples; /* 0 or 1: none; more is clamped to what the GPU has, see gfx_target_samples() */
 	enum gfx_ids ids; /* can be read back; there are no samples then */
 	bool depth_16;    /* depth of 16 bits: half of its bytes and of their traffic */
+	bool plain_first; /* one sample until gfx_target_refine(): a first picture that is cheaper. Counted in full at once
+					   */
 };
 
 /* How shaders are named and bound. Files are those of assets/shaders, without path. Every program may declare
@@ -239,6 +241,9 @@ void gfx_texture_write(struct gfx *gfx, gfx_texture texture, const struct gfx_re
 /* The resolved colour of a target as a texture; owned by the target. */
 gfx_texture gfx_target_texture(const struct gfx *gfx, gfx_target target);
 uint32_t gfx_target_samples(const struct gfx *gfx, gfx_target target);
+/* Gives a target of desc.plain_first its samples, between two passes; its picture stays. Where the GPU has no room for
+ * them it goes on with one, which is logged. Any other target: nothing. */
+void gfx_target_refine(struct gfx *gfx, gfx_target target);
 /* From here on the target's lower left part is used as if it were the whole; at most what it was made with. Its size
  * on the GPU stays. Outside passes. */
 void gfx_target_part(struct gfx *gfx, gfx_target target, uint32_t width, uint32_t height);

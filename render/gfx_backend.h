@@ -20,6 +20,7 @@ struct gfx_texture_slot {
 struct gfx_target_slot {
 	struct gfx_target_desc desc; /* samples as granted */
 	uint32_t width, height;      /* of the part in use */
+	bool plain;                  /* desc.plain_first, and not refined yet */
 	uint32_t framebuffer, resolve_framebuffer;
 	uint32_t color, depth; /* renderbuffers; color is 0 without multisampling */
 	uint32_t samples;      /* texture instead of `color`, with what averages it; or 0 */
@@ -73,6 +74,7 @@ struct gfx_ops {
 	int (*target_create)(struct gfx *gfx, struct gfx_target_slot *slot, struct gfx_texture_slot *texture);
 	int (*program_create)(struct gfx *gfx, struct gfx_program_slot *slot);
 	int (*pipeline_create)(struct gfx *gfx, struct gfx_pipeline_slot *slot);
+	int (*target_refine)(struct gfx *gfx, struct gfx_target_slot *slot); /* -ENOMEM: as it was */
 	void (*buffer_destroy)(struct gfx *gfx, struct gfx_buffer_slot *slot);
 	void (*texture_destroy)(struct gfx *gfx, struct gfx_texture_slot *slot);
 	void (*target_destroy)(struct gfx *gfx, struct gfx_target_slot *slot);

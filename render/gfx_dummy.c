@@ -47,6 +47,13 @@ static int dummy_target_create(struct gfx *gfx, struct gfx_target_slot *slot, st
 	return 0;
 }
 
+static int dummy_target_refine(struct gfx *gfx, struct gfx_target_slot *slot)
+{
+	(void)gfx;
+	(void)slot;
+	return 0;
+}
+
 static int dummy_program_create(struct gfx *gfx, struct gfx_program_slot *slot)
 {
 	(void)gfx;
@@ -186,6 +193,7 @@ const struct gfx_ops gfx_dummy = {
 	.pipeline_create = dummy_pipeline_create,
 	.buffer_destroy = dummy_buffer_destroy,
 	.texture_destroy = dummy_texture_destroy,
+	.target_refine = dummy_target_refine,
 	.target_destroy = dummy_target_destroy,
 	.program_destroy = dummy_program_destroy,
 	.pipeline_destroy = dummy_pipeline_destroy,

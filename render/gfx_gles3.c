@@ -340,13 +340,32 @@ static void gles3_texture_write(
 		write_texels(slot, region, slot->desc.format, texels);
 }
 
-static GLuint make_renderbuffer(GLenum format, const struct gfx_target_desc *desc)
+static GLenum depth_format(const struct gfx_target_desc *desc)
+{
+	return desc->depth_16 ? GL_DEPTH_COMPONENT16 : GL_DEPTH_COMPONENT24;
+}
+
+/* The smallest number of samples that the GPU has and that is no less than what is wished; its largest otherwise. */
+static uint32_t granted_samples(const struct gfx_target_desc *desc)
+{
+	GLint counts[16] = { 0 }, count = 0, granted = 0;
+	if (desc->samples < 2)
+		return 1;
+	glGetInternalformativ(GL_RENDERBUFFER, depth_format(desc), GL_NUM_SAMPLE_COUNTS, 1, &count);
+	glGetInternalformativ(GL_RENDERBUFFER, depth_format(desc), GL_SAMPLES, 16, counts);
+	for (int i = 0; i < count && i < 16; i++) /* descending */
+		if (!granted || counts[i] >= (GLint)desc->samples)
+			granted = counts[i];
+	return granted > 1 ? (uint32_t)granted : 1;
+}
+
+static GLuint make_renderbuffer(GLenum format, const struct gfx_target_desc *desc, uint32_t samples)
 {
 	GLuint name = 0;
 	glGenRenderbuffers(1, &name);
 	glBindRenderbuffer(GL_RENDERBUFFER, name);
-	GLsizei samples = desc->samples > 1 ? (GLsizei)desc->samples : 0;
-	glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, (GLsizei)desc->width, (GLsizei)desc->height);
+	glRenderbufferStorageMultisample(
+		GL_RENDERBUFFER, samples > 1 ? (GLsizei)samples : 0, format, (GLsizei)desc->width, (GLsizei)desc->height);
 	return name;
 }
 
@@ -371,7 +390,7 @@ static void gles3_target_destroy(struct gfx *gfx, struct gfx_target_slot *slot)
 static void attach_ids(struct gfx_target_slot *slot)
 {
 	static const GLenum both[] = { GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1 };
-	slot->ids = make_renderbuffer(slot->desc.ids == GFX_IDS_R32UI ? GL_R32UI : GL_RGBA32UI, &slot->desc);
+	slot->ids = make_renderbuffer(slot->desc.ids == GFX_IDS_R32UI ? GL_R32UI : GL_RGBA32UI, &slot->desc, 1);
 	glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT1, GL_RENDERBUFFER, slot->ids);
 	glDrawBuffers(2, both);
 }
@@ -405,27 +424,43 @@ static bool attach_samples(struct gles3 *gl, struct gfx_target_slot *slot)
 	return true;
 }
 
+static void attach_depth(struct gfx_target_slot *slot, uint32_t samples)
+{
+	slot->depth = make_renderbuffer(depth_format(&slot->desc), &slot->desc, samples);
+	glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, slot->depth);
+}
+
+/* A framebuffer of desc.samples a pixel in front of the one that has the picture. */
+static void attach_multisampled(struct gles3 *gl, struct gfx_target_slot *slot)
+{
+	glGenFramebuffers(1, &slot->framebuffer);
+	glBindFramebuffer(GL_FRAMEBUFFER, slot->framebuffer);
+	attach_depth(slot, slot->desc.samples);
+	if (attach_samples(gl, slot))
+		return;
+	slot->color = make_renderbuffer(GL_RGBA8, &slot->desc, slot->desc.samples);
+	glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, slot->color);
+}
+
 static void attach(struct gles3 *gl, struct gfx_target_slot *slot, GLuint texture)
 {
 	glGenFramebuffers(1, &slot->resolve_framebuffer);
 	glBindFramebuffer(GL_FRAMEBUFFER, slot->resolve_framebuffer);
 	glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
 	slot->framebuffer = slot->resolve_framebuffer;
-	slot->depth = make_renderbuffer(slot->desc.depth_16 ? GL_DEPTH_COMPONENT16 : GL_DEPTH_COMPONENT24, &slot->desc);
-	if (slot->desc.samples > 1) {
-		GLint granted = 0;
-		glGetRenderbufferParameteriv(GL_RENDERBUFFER, GL_RENDERBUFFER_SAMPLES, &granted);
-		slot->desc.samples = (uint32_t)granted;
-		glGenFramebuffers(1, &slot->framebuffer);
-		glBindFramebuffer(GL_FRAMEBUFFER, slot->framebuffer);
-		if (!attach_samples(gl, slot)) {
-			slot->color = make_renderbuffer(GL_RGBA8, &slot->desc);
-			glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, slot->color);
-		}
-	}
+	slot->desc.samples = granted_samples(&slot->desc);
+	slot->plain = slot->plain && slot->desc.samples > 1;
+	if (slot->desc.samples > 1 && !slot->plain)
+		attach_multisampled(gl, slot);
+	else
+		attach_depth(slot, 1);
 	if (slot->desc.ids)
 		attach_ids(slot);
-	glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, slot->depth);
+}
+
+static bool complete(void)
+{
+	return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE && glGetError() == GL_NO_ERROR;
 }
 
 static int gles3_target_create(struct gfx *gfx, struct gfx_target_slot *slot, struct gfx_texture_slot *texture)
@@ -434,10 +469,29 @@ static int gles3_target_create(struct gfx *gfx, struct gfx_target_slot *slot, st
 	if (err)
 		return err;
 	attach(gfx->impl, slot, texture->native);
-	if (glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE && glGetError() == GL_NO_ERROR)
+	if (complete())
 		return 0;
 	gles3_target_destroy(gfx, slot);
 	gles3_texture_destroy(gfx, texture);
+	return -ENOMEM;
+}
+
+static int gles3_target_refine(struct gfx *gfx, struct gfx_target_slot *slot)
+{
+	struct gles3 *gl = gfx->impl;
+	struct gfx_target_slot plain = *slot;
+	gl->draw_framebuffer = 0;
+	attach_multisampled(gl, slot);
+	if (complete()) {
+		glBindFramebuffer(GL_FRAMEBUFFER, slot->resolve_framebuffer);
+		glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, 0);
+		glDeleteRenderbuffers(1, &plain.depth);
+		return 0;
+	}
+	struct gfx_target_slot failed = *slot;
+	failed.resolve_framebuffer = 0; /* 0: nothing */
+	gles3_target_destroy(gfx, &failed);
+	*slot = plain;
 	return -ENOMEM;
 }
 
@@ -859,6 +913,7 @@ const struct gfx_ops gfx_gles3 = {
 	.pipeline_create = gles3_pipeline_create,
 	.buffer_destroy = gles3_buffer_destroy,
 	.texture_destroy = gles3_texture_destroy,
+	.target_refine = gles3_target_refine,
 	.target_destroy = gles3_target_destroy,
 	.program_destroy = gles3_program_destroy,
 	.pipeline_destroy = gles3_pipeline_destroy,

@@ -35,9 +35,11 @@ int screen_init(struct screen *screen, struct arena *arena, const struct screen_
 		screen_finish(screen);
 		return -ENOTSUP;
 	}
-	struct gfx_target_desc target = {
-		.width = config->width, .height = config->height, .samples = config->samples, .depth_16 = config->depth_16
-	};
+	struct gfx_target_desc target = { .width = config->width,
+		.height = config->height,
+		.samples = config->samples,
+		.depth_16 = config->depth_16,
+		.plain_first = config->plain_first };
 	status = gfx_target_create(screen->gfx, &target, &screen->target);
 	if (status == 0 && config->turns)
 		status = make_turn(screen);

@@ -11,6 +11,7 @@ struct screen_config {
 	uint32_t width, height;
 	uint32_t samples;                            /* per pixel; 0 or 1 is none */
 	bool depth_16;                               /* see struct gfx_target_desc */
+	bool plain_first;                            /* one sample until gfx_target_refine() */
 	const struct gfx_ops *gfx;                   /* NULL: gfx_gles3 */
 	void (*(*get_proc)(const char *name))(void); /* display_get_proc, or NULL */
 	bool turns;                                  /* screen_present() may have to turn or to dim */

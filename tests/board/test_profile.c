@@ -264,6 +264,25 @@ static void limits_and_units_go_together(void **state)
 	assert_true(fabs(car.vehicle.inputs[VEHICLE_AMBIENT].scale - 0.01) < 1e-12);
 }
 
+/* Read without a warning, and no pin is two things. */
+static void the_boards_profiles_have_no_fault(void **state)
+{
+	(void)state;
+	static const char *const paths[] = { "board/profiles/raspberrypi.ini", "board/profiles/imx8m.ini",
+		"board/profiles/am62x.ini", "board/profiles/emulator.ini", "board/profiles/obd.ini" };
+	for (size_t i = 0; i < sizeof(paths) / sizeof(paths[0]); i++) {
+		arena_init(&arena, "test", memory, sizeof(memory));
+		assert_int_equal(profile_load(&profile, paths[i], &arena), 0);
+		assert_int_equal(profile.warnings, 0);
+		assert_int_equal(car_init(&car, &profile, NULL, 0, NULL, 0, &arena), 0);
+		const struct profile_line *lines = profile.gpio.lines;
+		for (int a = 0; a < CONTROL_LINE_COUNT; a++)
+			for (int b = 0; b < a; b++)
+				assert_false(lines[a].at.chip && lines[b].at.chip && lines[a].at.offset == lines[b].at.offset &&
+							 !strcmp(lines[a].at.chip, lines[b].at.chip));
+	}
+}
+
 static void damaged_profiles_never_crash(void **state)
 {
 	(void)state;
@@ -296,6 +315,7 @@ int main(void)
 		cmocka_unit_test(options_replace_definitions_and_interfaces),
 		cmocka_unit_test(a_car_is_asked_for_what_the_signals_need),
 		cmocka_unit_test(limits_and_units_go_together),
+		cmocka_unit_test(the_boards_profiles_have_no_fault),
 		cmocka_unit_test(damaged_profiles_never_crash),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -70,10 +70,15 @@ struct look {
 	const char *far_name;
 };
 
-static void picture(const struct look *look, uint8_t *px, struct renderer_stats *stats)
-{
+struct easel {
 	struct fake_city city;
-	fake_city_make(&city, look->blocks ? look->blocks : 12, look->shift_mm);
+	struct renderer *renderer;
+};
+
+/* With `screen`, or NULL: one of its own. */
+static void easel_open(struct easel *easel, const struct look *look, const struct screen *screen)
+{
+	fake_city_make(&easel->city, look->blocks ? look->blocks : 12, look->shift_mm);
 	struct arena arena;
 	arena_init(&arena, "city", arena_memory, ARENA_BYTES);
 	struct renderer_config config = { .width = W,
@@ -81,20 +86,36 @@ static void picture(const struct look *look, uint8_t *px, struct renderer_stats 
 		.samples = look->samples,
 		.get_proc = display_get_proc,
 		.gpu_budget_bytes = look->budget,
-		.far_name = look->far_name };
-	struct renderer *renderer;
-	assert_int_equal(renderer_init(&renderer, &arena, &config, &city.pkg), 0);
+		.far_name = look->far_name,
+		.screen = screen };
+	assert_int_equal(renderer_init(&easel->renderer, &arena, &config, &easel->city.pkg), 0);
+}
+
+static void easel_draw(struct easel *easel, const struct look *look, uint8_t *px)
+{
 	struct camera_pose pose = { .heading_rad = look->heading_rad, .pitch_rad = look->pitch_rad };
 	pose.eye_mm[0] = look->shift_mm[0] + (int64_t)(look->east_m * 1000.0);
 	pose.eye_mm[1] = look->shift_mm[1] + (int64_t)(look->north_m * 1000.0);
 	pose.eye_mm[2] = (int64_t)(look->up_m * 1000.0);
 	struct renderer_time time = { .time_ns = 1000000000, .ambient = -1.0, .force_night = look->night };
-	renderer_draw_pose(renderer, &pose, &time);
-	renderer_read_pixels(renderer, px);
+	renderer_draw_pose(easel->renderer, &pose, &time);
+	renderer_read_pixels(easel->renderer, px);
+}
+
+static void easel_close(struct easel *easel)
+{
+	renderer_finish(easel->renderer);
+	fake_city_free(&easel->city);
+}
+
+static void picture(const struct look *look, uint8_t *px, struct renderer_stats *stats)
+{
+	struct easel easel;
+	easel_open(&easel, look, NULL);
+	easel_draw(&easel, look, px);
 	if (stats)
-		renderer_stats(renderer, stats);
-	renderer_finish(renderer);
-	fake_city_free(&city);
+		renderer_stats(easel.renderer, stats);
+	easel_close(&easel);
 }
 
 static const struct look street = {
@@ -231,6 +252,40 @@ static void drawing_nothing_far_leaves_the_near_as_it_is(void **state)
 	assert_memory_equal(px_a + (size_t)(H - 20) * W * 4, px_b + (size_t)(H - 20) * W * 4, 20 * W * 4);
 }
 
+static void a_plain_first_picture_gets_its_samples_later(void **state)
+{
+	(void)state;
+	static uint8_t drawn[W * H * 4], screen_memory[2 << 20];
+	if (!display.ops)
+		skip();
+	struct look plain = street;
+	plain.samples = 1;
+	picture(&plain, px_a, NULL);
+	picture(&street, px_b, NULL);
+	struct arena arena;
+	arena_init(&arena, "screen", screen_memory, sizeof(screen_memory));
+	struct screen_config config = {
+		.width = W, .height = H, .samples = 4, .get_proc = display_get_proc, .plain_first = true
+	};
+	struct screen screen;
+	assert_int_equal(screen_init(&screen, &arena, &config), 0);
+	assert_int_equal(gfx_target_samples(screen.gfx, screen.target), 4);
+	struct easel easel;
+	easel_open(&easel, &street, &screen);
+	easel_draw(&easel, &street, drawn);
+	assert_int_equal(largest_difference(drawn, px_a), 0);
+	uint64_t counted = gfx_stats(screen.gfx)->bytes; /* with all samples */
+	gfx_target_refine(screen.gfx, screen.target);
+	screen_read_pixels(&screen, drawn);
+	assert_int_equal(largest_difference(drawn, px_a), 0); /* the picture stays */
+	easel_draw(&easel, &street, drawn);
+	assert_int_equal(largest_difference(drawn, px_b), 0);
+	gfx_target_refine(screen.gfx, screen.target); /* again: nothing */
+	assert_int_equal(gfx_stats(screen.gfx)->bytes, counted);
+	easel_close(&easel);
+	screen_finish(&screen);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -241,6 +296,7 @@ int main(void)
 		cmocka_unit_test(no_hole_where_the_slices_meet),
 		cmocka_unit_test(a_small_budget_draws_what_is_near),
 		cmocka_unit_test(drawing_nothing_far_leaves_the_near_as_it_is),
+		cmocka_unit_test(a_plain_first_picture_gets_its_samples_later),
 	};
 	return cmocka_run_group_tests(tests, open_display, close_display);
 }
