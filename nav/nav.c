@@ -184,6 +184,16 @@ static void find_after_unseen(struct nav *nav, const struct nav_input *input, st
 	placed(nav, !course); /* in a corner a course is no street's */
 }
 
+/* The remembered place is not this one, and the heading there is a guess until a course tells. */
+static void find_elsewhere(struct nav *nav, const struct nav_input *input, struct dvec2 at, double sigma)
+{
+	nav->heading_known = input->heading_valid && isfinite(input->heading_rad);
+	if (nav->heading_known)
+		nav->reckon.heading_bam = bam_from_rad(input->heading_rad);
+	if (match_place_near(&nav->match, at, fmin(15.0 + 3.0 * sigma, 60.0), true, nav->reckon.heading_bam))
+		placed(nav, true);
+}
+
 /* The first fix says where we are, later ones help the matching. */
 static void take_fix(struct nav *nav, const struct nav_input *input)
 {
@@ -203,8 +213,7 @@ static void take_fix(struct nav *nav, const struct nav_input *input)
 	if (nav->config.ignore_gnss)
 		return;
 	if (doubt_refutes_memory(nav, at, sigma)) {
-		if (match_place_near(&nav->match, at, fmin(15.0 + 3.0 * sigma, 60.0), true, nav->reckon.heading_bam))
-			placed(nav, true);
+		find_elsewhere(nav, input, at, sigma);
 		return;
 	}
 	learn_scale(nav, at, sigma);

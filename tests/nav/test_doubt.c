@@ -280,6 +280,37 @@ static void a_fix_elsewhere_refutes_a_remembered_place_even_standing(void **stat
 	ride_end(&ride);
 }
 
+/* Killed on the way, and round the corner since: nothing counted the way there. */
+static void a_course_tells_where_a_car_that_is_elsewhere_looks(void **state)
+{
+	(void)state;
+	for (int late = 0; late < 2; late++) {
+		struct ride ride;
+		ride_start(&ride, streets_grid(4, 400), true);
+		struct geo_point geo = geo_from_plane(&ride.nav.pkg->frame, (struct dvec2){ 300.0, 398.0 });
+		struct nav_memory memory = { .lat_deg = geo.lat_deg,
+			.lon_deg = geo.lon_deg,
+			.heading_rad = 0.5 * BLVD_PI,
+			.on_street = true,
+			.half = PKG_NONE,
+			.speed_scale = 1.0,
+			.position_var = { 9.0, 9.0, 0.0 } };
+		assert_true(nav_restore(&ride.nav, &memory, false));
+		ride.input.heading_valid = !late;
+		ride.input.heading_rad = 0.0;
+		tell_fix(&ride, 402.0, 420.0, 4.0);
+		ride_stand(&ride, 1.0);
+		ride.input.heading_valid = true;
+		tell_fix(&ride, 402.0, 420.0, 4.0);
+		ride_stand(&ride, 1.0);
+		struct nav_view view = view_of(&ride);
+		assert_near((double)view.pos_mm[0] * 1e-3, 402.0, 4.0);
+		assert_near((double)view.pos_mm[1] * 1e-3, 420.0, 10.0);
+		assert_near(bam_to_rad(view.heading_bam), 0.0, 0.1);
+		ride_end(&ride);
+	}
+}
+
 static void kilometres_driven_unseen_make_a_remembered_place_doubtful(void **state)
 {
 	(void)state;
@@ -398,6 +429,7 @@ int main(void)
 		cmocka_unit_test(a_car_left_off_the_streets_is_found_there),
 		cmocka_unit_test(another_city_or_nonsense_is_not_restored),
 		cmocka_unit_test(a_fix_elsewhere_refutes_a_remembered_place_even_standing),
+		cmocka_unit_test(a_course_tells_where_a_car_that_is_elsewhere_looks),
 		cmocka_unit_test(kilometres_driven_unseen_make_a_remembered_place_doubtful),
 		cmocka_unit_test(after_a_corner_driven_unseen_the_car_looks_along_its_new_street),
 		cmocka_unit_test(a_course_after_a_way_driven_unseen_is_believed),
