@@ -246,6 +246,8 @@ void inputs_stats(const struct inputs *inputs, struct stats *out)
 		memcpy(out->signal_faults[i], inputs->vehicle.inputs[i].faults, sizeof(out->signal_faults[i]));
 	out->can_frames_lost = bus ? bus->stats.dropped : 0;
 	out->can_cpu_ms = bus ? (double)bus->stats.reader_cpu_ns / 1e6 : 0.0;
+	out->can_interfaces = bus ? bus->interfaces : NULL;
+	out->can_interface_count = bus ? bus->interface_count : 0;
 	out->can_errors = 0;
 	for (unsigned i = 0; bus && i < bus->interface_count; i++)
 		out->can_errors += bus->interfaces[i].error_frames;

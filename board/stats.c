@@ -173,6 +173,21 @@ static void print_signal_faults(const struct stats *s, FILE *to)
 	fputc('}', to);
 }
 
+static void print_bus(const struct stats *s, FILE *to)
+{
+	fprintf(to, "  \"can\": {\"frames_lost\": %llu, \"error_frames\": %llu, \"cpu_ms\": %.1f, \"interfaces\": [",
+		(unsigned long long)s->can_frames_lost, (unsigned long long)s->can_errors, s->can_cpu_ms);
+	for (unsigned i = 0; i < s->can_interface_count; i++) {
+		const struct can_interface *interface = &s->can_interfaces[i];
+		fprintf(to, "%s{\"name\": ", i ? ", " : "");
+		print_string(to, interface->name);
+		fprintf(to, ", \"health\": \"%s\", \"frames\": %llu, \"error_frames\": %llu}",
+			can_health_name(interface->health), (unsigned long long)interface->frames,
+			(unsigned long long)interface->error_frames);
+	}
+	fputs("]},\n", to);
+}
+
 void stats_print_json(const struct stats *s, FILE *to)
 {
 	fprintf(to, "{\n  \"frames\": %llu,\n  \"renderer\": ", (unsigned long long)s->frames);
@@ -199,8 +214,7 @@ void stats_print_json(const struct stats *s, FILE *to)
 	print_display(s, to);
 	fprintf(to, "  \"route\": {\"reroutes\": %llu, \"off_street_frames\": %llu},\n", (unsigned long long)s->reroutes,
 		(unsigned long long)s->off_street_frames);
-	fprintf(to, "  \"can\": {\"frames_lost\": %llu, \"error_frames\": %llu, \"cpu_ms\": %.1f},\n",
-		(unsigned long long)s->can_frames_lost, (unsigned long long)s->can_errors, s->can_cpu_ms);
+	print_bus(s, to);
 	fprintf(to, "  \"record\": {\"lines\": %llu, \"lost\": %llu},\n", (unsigned long long)s->record_lines,
 		(unsigned long long)s->record_lost);
 	if (s->controls.configured)

@@ -10,6 +10,7 @@
 #include <stdio.h>
 
 #include "nav/vehicle.h"
+#include "platform/can/can_bus.h"
 #include "platform/display/display.h"
 
 #define HISTOGRAM_STEPS 128 /* per factor of two */
@@ -88,6 +89,8 @@ struct stats {
 	uint64_t can_frames_lost;                                         /* by the kernel, before we read them */
 	uint64_t can_errors;                                              /* error frames */
 	double can_cpu_ms;                                                /* of the thread that reads the bus */
+	const struct can_interface *can_interfaces;                       /* borrowed */
+	unsigned can_interface_count;
 	uint64_t record_lines, record_lost;
 	int64_t stale_ns_max;
 	uint64_t reroutes, off_street_frames;

@@ -105,7 +105,7 @@ stat_of() {
 
 # --- the car ------------------------------------------------------------------------------------------------------
 drive_pid=''
-# drive_start [SECONDS]: the drive goes over vcan0, again and again; from SECONDS into it.
+# drive_start [SECONDS]: the drive goes over vcan0, or $DRIVE_ON, again and again; from SECONDS into it.
 drive_start() {
 	drive_stop
 	log=$DRIVE
@@ -113,7 +113,7 @@ drive_start() {
 		log=/run/drive-from.candump
 		awk -v from="$1" '{ t = substr($1, 2) + 0 } NR == 1 { first = t } t >= first + from' "$DRIVE" >$log
 	fi
-	canplayer -l i -I "$log" vcan0=vcan0 >/dev/null 2>&1 &
+	canplayer -l i -I "$log" "${DRIVE_ON:-vcan0}=vcan0" >/dev/null 2>&1 &
 	drive_pid=$!
 }
 drive_stop() {
