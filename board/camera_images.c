@@ -40,6 +40,7 @@ static void begin_session(struct camera_images *images, const struct camera_fram
 	*changed = images->session != 0;
 	drop_all(images);
 	images->session = frame->session;
+	images->told = false;
 	images->refused = !images->wanted || !gfx_caps(images->gfx)->external || frame->buffer >= CAMERA_IMAGES_MAX;
 }
 
@@ -54,10 +55,10 @@ gfx_texture camera_images_of(
 		return none;
 	if (images->textures[frame->buffer].id)
 		return images->textures[frame->buffer];
-	bool first = !images->images[0] && !images->images[1] && !images->images[2];
 	if (import(images, camera, frame->buffer)) {
-		if (first)
+		if (!images->told)
 			log_info("camera: its buffers are shown in place, without a copy");
+		images->told = true;
 		return images->textures[frame->buffer];
 	}
 	images->refused = true;

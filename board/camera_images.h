@@ -15,6 +15,7 @@ struct camera_images {
 	bool wanted;
 	uint32_t session; /* whose buffers these are */
 	bool refused;     /* not in this session */
+	bool told;        /* that it works, in this session */
 	void *images[CAMERA_IMAGES_MAX];
 	gfx_texture textures[CAMERA_IMAGES_MAX];
 };

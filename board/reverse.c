@@ -73,6 +73,8 @@ int reverse_open(struct reverse *reverse, const struct options *options, const s
 	reverse->images.wanted = profile->camera.zero_copy == PROFILE_ZERO_COPY_AUTO
 								 ? !gfx_caps(screen->gfx)->software
 								 : profile->camera.zero_copy == PROFILE_ZERO_COPY_YES;
+	if (profile->camera.zero_copy == PROFILE_ZERO_COPY_YES && gfx_caps(screen->gfx)->software)
+		log_warn("camera: zero_copy = yes gains nothing where a CPU draws");
 	reverse->watch.look_for_repeats = profile->camera.repeats;
 	reverse->ahead_ns = simulated ? 0 : AHEAD_FIRST_NS;
 	return status;
@@ -180,8 +182,11 @@ static bool bring_frame(struct reverse *reverse)
 	gfx_texture texture = camera_images_of(&reverse->images, &reverse->camera, &reverse->frame, &changed);
 	if (changed)
 		reverse_view_forget(&reverse->view);
-	if (!texture.id)
+	if (!texture.id) {
+		reverse->stats.copied++;
 		return reverse_view_upload(&reverse->view, &reverse->frame);
+	}
+	reverse->stats.in_place++;
 	reverse_view_use(&reverse->view, &reverse->frame, texture);
 	return true;
 }

@@ -91,14 +91,16 @@ static void print_camera(FILE *to, const struct camera_stats *c)
 	print_string(to, c->format);
 	fprintf(to,
 		", \"frames\": %llu, \"bad\": %llu, \"skipped\": %llu, \"sessions\": %llu, \"decode_ms_max\": %.1f,\n"
-		"    \"reversed\": %llu, \"shown\": %llu, \"frozen\": %llu, \"missing\": %llu, \"too_old\": %llu, "
+		"    \"reversed\": %llu, \"shown\": %llu, \"copied\": %llu, \"in_place\": %llu, \"frozen\": %llu, \"missing\": "
+		"%llu, \"too_old\": %llu, "
 		"\"withdrawn\": %llu, "
 		"\"age_max_ms\": %.1f,\n"
 		"    \"edge_to_picture_ms\": {\"median\": %.1f, \"max\": %.1f}},\n",
 		(unsigned long long)c->frames, (unsigned long long)c->bad, (unsigned long long)c->skipped,
 		(unsigned long long)c->sessions, (double)c->decode_ns_max / 1e6, (unsigned long long)c->reversed,
-		(unsigned long long)c->shown, (unsigned long long)c->frozen, (unsigned long long)c->missing,
-		(unsigned long long)c->too_old, (unsigned long long)c->withdrawn, (double)c->age_ns.max / 1e6,
+		(unsigned long long)c->shown, (unsigned long long)c->copied, (unsigned long long)c->in_place,
+		(unsigned long long)c->frozen, (unsigned long long)c->missing, (unsigned long long)c->too_old,
+		(unsigned long long)c->withdrawn, (double)c->age_ns.max / 1e6,
 		(double)histogram_quantile(&c->edge_ns, 0.5) / 1e6, (double)c->edge_ns.max / 1e6);
 }
 

@@ -35,6 +35,7 @@ struct camera_stats {
 	uint64_t sessions;             /* times that it was opened */
 	uint64_t reversed;             /* times that reverse was put in */
 	uint64_t shown;                /* live pictures on the screen */
+	uint64_t copied, in_place;     /* pictures that came to the GPU by a copy, as buffers of the device */
 	uint64_t frozen, missing;      /* times that it became so */
 	uint64_t too_old;              /* pictures older than 200 ms when they were seen */
 	uint64_t withdrawn;            /* that became so before they were shown, and were not */

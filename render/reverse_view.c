@@ -171,28 +171,27 @@ static struct box place_picture(const struct reverse_view *view)
 	return (struct box){ (width - w) / 2.0f, (height - h) / 2.0f, (width + w) / 2.0f, (height + h) / 2.0f };
 }
 
-/* Texture places of a part of `width` x `height` of the texture; half a texel inside, so that no other is mixed in. */
-static void texture_box(const struct reverse_view *view, uint32_t width, uint32_t height, float out[4])
+/* Texture places of the corners of a part of `width` x `height` of the texture; `last`: the middle of its last texel,
+ * beyond which other pictures' would be mixed in. */
+static void texture_box(const struct reverse_view *view, uint32_t width, uint32_t height, float out[4], float last[2])
 {
 	float w = (float)view->config.width, h = (float)view->config.height;
-	out[0] = 0.5f / w;
-	out[1] = 0.5f / h;
-	out[2] = ((float)width - 0.5f) / w;
-	out[3] = ((float)height - 0.5f) / h;
-	if (view->config.guide.mirror) {
-		float left = out[0];
-		out[0] = out[2];
-		out[2] = left;
-	}
+	bool mirror = view->config.guide.mirror;
+	out[0] = mirror ? (float)width / w : 0.0f;
+	out[1] = 0.0f;
+	out[2] = mirror ? 0.0f : (float)width / w;
+	out[3] = (float)height / h;
+	last[0] = ((float)width - 0.5f) / w;
+	last[1] = ((float)height - 0.5f) / h;
 }
 
-static void whole_box(const struct reverse_view *view, float out[4])
+static void whole_box(const struct reverse_view *view, float out[4], float last[2])
 {
 	bool mirror = view->config.guide.mirror;
 	out[0] = mirror ? 1.0f : 0.0f;
 	out[1] = 0.0f;
 	out[2] = mirror ? 0.0f : 1.0f;
-	out[3] = 1.0f;
+	out[3] = last[0] = last[1] = 1.0f;
 }
 
 static void draw_picture(const struct reverse_view *view, const struct box *at, bool night)
@@ -206,13 +205,13 @@ static void draw_picture(const struct reverse_view *view, const struct box *at, 
 	constants[0][2] = at->x1 / width * 2.0f - 1.0f;
 	constants[0][3] = 1.0f - at->y1 / height * 2.0f;
 	if (external)
-		whole_box(view, constants[1]);
+		whole_box(view, constants[1], constants[6]);
 	else
-		texture_box(view, frame->width, frame->height, constants[1]);
+		texture_box(view, frame->width, frame->height, constants[1], constants[6]);
 	if (packed)
-		texture_box(view, frame->width / 2, frame->height, constants[2]);
+		texture_box(view, frame->width / 2, frame->height, constants[2], constants[6] + 2);
 	else
-		texture_box(view, frame->chroma_width, frame->chroma_height, constants[2]);
+		texture_box(view, frame->chroma_width, frame->chroma_height, constants[2], constants[6] + 2);
 	color_matrix(frame, external, night ? NIGHT_PICTURE : 1.0f, constants + 3);
 	struct gfx_draw draw = {
 		.pipeline = view->pipelines[view->layout],

@@ -4,6 +4,7 @@
  *   board_screen watch SECONDS     one line of JSON: pictures, the longest time between two, time without any
  *   board_screen colours FILE.png  how many different colours it has, of 4096: a plain picture has few
  *   board_screen differ A.png B.png    how many pixels differ clearly
+ *   board_screen step A.png B.png      the greatest difference of a channel, of 255
  *   board_screen pixel FILE.png X Y    its colour there, RRGGBB
  * The plain kernel interface is enough; dumb and linear buffers only, which is what a machine without a GPU scans out.
  */
@@ -190,15 +191,34 @@ static int count_colours(const char *path)
 	return EXIT_SUCCESS;
 }
 
+static bool load_both(struct picture *a, struct picture *b, const char *path_a, const char *path_b)
+{
+	if (!load(a, path_a) || !load(b, path_b))
+		return false;
+	bool same = a->image.width == b->image.width && a->image.height == b->image.height;
+	if (!same)
+		fprintf(stderr, "board_screen: the pictures are of different sizes\n");
+	return same;
+}
+
+static int greatest_step(const char *path_a, const char *path_b)
+{
+	struct picture a, b;
+	int step = 0;
+	if (!load_both(&a, &b, path_a, path_b))
+		return EXIT_FAILURE;
+	for (size_t i = 0; i < PNG_IMAGE_SIZE(a.image); i++)
+		if (abs(a.pixels[i] - b.pixels[i]) > step)
+			step = abs(a.pixels[i] - b.pixels[i]);
+	printf("%d\n", step);
+	return EXIT_SUCCESS;
+}
+
 static int count_differences(const char *path_a, const char *path_b)
 {
 	struct picture a, b;
-	if (!load(&a, path_a) || !load(&b, path_b))
+	if (!load_both(&a, &b, path_a, path_b))
 		return EXIT_FAILURE;
-	if (a.image.width != b.image.width || a.image.height != b.image.height) {
-		fprintf(stderr, "board_screen: the pictures are of different sizes\n");
-		return EXIT_FAILURE;
-	}
 	unsigned long count = 0;
 	for (size_t i = 0; i < PNG_IMAGE_SIZE(a.image); i += 4) {
 		const uint8_t *p = a.pixels + i, *q = b.pixels + i;
@@ -228,13 +248,15 @@ int main(int argc, char **argv)
 		return count_colours(argv[2]);
 	if (argc == 4 && !strcmp(argv[1], "differ"))
 		return count_differences(argv[2], argv[3]);
+	if (argc == 4 && !strcmp(argv[1], "step"))
+		return greatest_step(argv[2], argv[3]);
 	if (argc == 5 && !strcmp(argv[1], "pixel"))
 		return tell_pixel(argv[2], atoi(argv[3]), atoi(argv[4]));
 	struct screen_source source;
 	bool shot = argc == 3 && !strcmp(argv[1], "shot");
 	if (!shot && !(argc == 3 && !strcmp(argv[1], "watch") && atof(argv[2]) > 0)) {
 		fprintf(stderr, "usage: board_screen shot FILE.png | watch SECONDS | colours FILE.png | differ A.png B.png |"
-						" pixel FILE.png X Y\n");
+						" step A.png B.png | pixel FILE.png X Y\n");
 		return 2;
 	}
 	if (!find_screen(&source))

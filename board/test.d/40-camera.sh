@@ -74,6 +74,13 @@ for format in yuyv uyvy nv12 bgrx; do
 	screen camera-$format
 	check "$format looks like nv12 and yuyv do" at_most 25000 "$(differ camera-yuyv camera-$format)"
 done
+profile yuyv
+sed -i 's/^fps = 30/&\nzero_copy = yes/' /run/camera.ini
+UNIT_PROFILE=/run/camera.ini unit_start
+check 'buffers that the driver would break on are not given to it' within 5 shows_picture
+check 'they are copied, and that is told' sh -c "journalctl -u boulevard -o cat --no-pager | tail -20 | grep -q 'its buffers are copied'"
+screen camera-refused
+check 'and look like the others' at_most 25000 "$(differ camera-yuyv camera-refused)"
 profile mjpeg
 UNIT_PROFILE=/run/camera.ini unit_start
 seconds 1

@@ -68,7 +68,7 @@ at_least() { awk "BEGIN { exit !($2 >= $1) }" || { echo "$2 is less than $1"; re
 
 # --- the installed unit -------------------------------------------------------------------------------------------
 # unit_start [OPTION...]: (re)starts boulevard.service on the screen and the bus with $CITY, and these options more;
-# returns when it is ready. UNIT_CITY and UNIT_PROFILE name others.
+# returns when it is ready. UNIT_CITY and UNIT_PROFILE name others, UNIT_ENVIRONMENT has lines of NAME=VALUE.
 unit_start() {
 	mkdir -p /etc/boulevard
 	{
@@ -76,6 +76,7 @@ unit_start() {
 		echo "BOULEVARD_PROFILE=${UNIT_PROFILE:-/usr/share/boulevard/profiles/emulator.ini}"
 		echo "BOULEVARD_OPTIONS=\"--display kms --can vcan0 --stats /var/lib/boulevard/stats.json $*\""
 		env | grep -E '^(LP_NUM_THREADS|MALLOC_[A-Z_]*)='
+		echo "${UNIT_ENVIRONMENT:-}"
 	} >/etc/boulevard/boulevard.conf
 	mkdir -p /run/systemd/system/boulevard.service.d
 	cat >/run/systemd/system/boulevard.service.d/emulator.conf <<-END

@@ -204,6 +204,12 @@ static int map_buffer(struct v4l2_device *device, uint32_t index)
 	return 0;
 }
 
+/* One shown, one waiting, one on its way back, one for the driver; JPEG is decoded and given back at once. */
+static uint32_t fewest(const struct v4l2_device *device)
+{
+	return device->format == CAMERA_MJPEG ? 2 : 4;
+}
+
 static int start(struct v4l2_device *device, char *why)
 {
 	struct v4l2_requestbuffers request = {
@@ -222,8 +228,8 @@ static int start(struct v4l2_device *device, char *why)
 		if (status < 0)
 			return fail(why, status, "a buffer cannot be mapped");
 	}
-	if (device->buffer_count < 4)
-		return fail(why, -ENOMEM, "fewer than four buffers");
+	if (device->buffer_count < fewest(device))
+		return fail(why, -ENOMEM, "too few buffers");
 	int type = (int)device->type;
 	status = control(device, VIDIOC_STREAMON, &type);
 	return status < 0 ? fail(why, status, "it does not start") : 0;

@@ -4,15 +4,26 @@
 #include <EGL/eglext.h>
 #include <errno.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "platform/display/egl.h"
 
 #define FORMATS_MAX 256
 
+/* Mesa's software driver on a card (kms_swrast, 22.3 and 25.0) says yes to buffers of other devices, cannot map them,
+ * because the kernel maps no imported buffer as a plain one, and crashes when they are drawn. */
+static bool breaks_on_use(EGLDisplay display)
+{
+	PFNEGLGETDISPLAYDRIVERNAMEPROC name_of =
+		(PFNEGLGETDISPLAYDRIVERNAMEPROC)eglGetProcAddress("eglGetDisplayDriverName");
+	const char *name = egl_has(display, "EGL_MESA_query_driver") && name_of ? name_of(display) : NULL;
+	return name && !strcmp(name, "kms_swrast");
+}
+
 bool egl_image_offered(uint32_t fourcc)
 {
 	EGLDisplay display = eglGetCurrentDisplay();
-	if (display == EGL_NO_DISPLAY || !egl_has(display, "EGL_EXT_image_dma_buf_import"))
+	if (display == EGL_NO_DISPLAY || !egl_has(display, "EGL_EXT_image_dma_buf_import") || breaks_on_use(display))
 		return false;
 	PFNEGLQUERYDMABUFFORMATSEXTPROC query =
 		(PFNEGLQUERYDMABUFFORMATSEXTPROC)eglGetProcAddress("eglQueryDmaBufFormatsEXT");
