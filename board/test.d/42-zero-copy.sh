@@ -23,14 +23,20 @@ start() {
 	rm -rf $frames
 	UNIT_PROFILE=/run/camera.ini unit_start --display headless --frames $frames --every 5
 }
-# picture NAME: one that was begun after now, as $OUT/NAME.png
+# picture NAME: one that was begun after now, as $OUT/NAME.png; another one where words were shown meanwhile, instead of a
+# picture that would have come too late.
 picture() {
-	last=$(find $frames -name '*.png' | sort | tail -1)
-	newer_ones() { [ "$(find $frames -newer "$last" -name '*.png' | wc -l)" -ge 3 ]; }
-	within 10 newer_ones
-	cp "$(find $frames -name '*.png' | sort | tail -2 | head -1)" "$OUT/$1.png"
-	find $frames -name '*.png' ! -newer "$last" -delete
+	tries=0 words=-1
+	while [ $tries -lt 5 ] && [ "$(in_words)" != "$words" ]; do
+		words=$(in_words) tries=$((tries + 1))
+		last=$(find $frames -name '*.png' | sort | tail -1)
+		within 10 newer_ones
+		cp "$(find $frames -name '*.png' | sort | tail -2 | head -1)" "$OUT/$1.png"
+		find $frames -name '*.png' ! -newer "$last" -delete
+	done
 }
+newer_ones() { [ "$(find $frames -newer "$last" -name '*.png' | wc -l)" -ge 3 ]; }
+in_words() { camera_state 'withdrawn + .camera.frozen + .camera.missing'; }
 # greatest_step A B: the largest difference in any channel of two pictures, of 255
 greatest_step() { board_screen step "$OUT/$1.png" "$OUT/$2.png"; }
 in_place_only() { # pictures come, and none by a copy
@@ -92,23 +98,28 @@ check 'plugged in three times: the same picture' at_most 3 "$(greatest_step zero
 check 'three plugs leave no file open' test "$(files_open)" = "$before"
 check 'and none was copied' test "$(camera_state copied)" = 0
 
-before=$(files_open) reversed=$(camera_state reversed)
-# Of its own memory: Mesa 25's software driver keeps a mapping of the camera's with every picture, which costs none.
+# Of its own memory: Mesa 25's software driver keeps a mapping of the camera's with every picture, which costs none. The
+# first pictures of map and camera after another still need some.
 memory() { awk '/^RssAnon/ { print $2 }' "/proc/$(unit_pid)/status"; }
+reverse_often() {
+	count=0
+	while [ $count -lt "$1" ]; do
+		open_pin reverse
+		sleep 0.45
+		close_pin reverse
+		sleep 0.2
+		count=$((count + 1))
+	done
+}
+before=$(files_open) reversed=$(camera_state reversed)
+reverse_often 20
 held=$(memory)
-count=0
-while [ $count -lt 100 ]; do
-	open_pin reverse
-	sleep 0.45
-	close_pin reverse
-	sleep 0.2
-	count=$((count + 1))
-done
+reverse_often 80
 check 'a hundred times reverse were as many' at_least $((reversed + 95)) "$(camera_state reversed)"
 check 'they leave no file open' test "$(files_open)" = "$before"
 grown=$(($(memory) - held))
-note 'a hundred times reverse: memory grown, KiB' "$grown"
-check 'nor memory held' at_most 4096 "$grown"
+note 'the last eighty of a hundred times reverse: memory grown, KiB' "$grown"
+check 'nor memory held' at_most 1024 "$grown"
 check 'and pictures come in place' in_place_only
 check 'the unit was not restarted' test "$(unit_restarts)" = 0
 v4l2-ctl -d /dev/video0 -c osd_text_mode=0
