@@ -162,7 +162,7 @@ static void look_at_camera(struct reverse *reverse, int64_t now_ns)
 	if (status.link == CAMERA_ABSENT || reverse->frame.session != status.sessions)
 		reverse->has_frame = false; /* its memory is gone */
 	enum watch_state state = camera_watch_state(&reverse->watch, status.link, now_ns, reverse->ahead_ns);
-	if (state != reverse->state) {
+	if (state != reverse->watched) {
 		reverse->stats.frozen += state == WATCH_FROZEN;
 		reverse->stats.missing += state == WATCH_MISSING;
 		if (state == WATCH_MISSING)
@@ -172,7 +172,7 @@ static void look_at_camera(struct reverse *reverse, int64_t now_ns)
 		else if (state == WATCH_LIVE)
 			log_info("camera: live, %s", status.format);
 	}
-	reverse->state = state;
+	reverse->state = reverse->watched = state;
 }
 
 /* The newest frame to the GPU: in place if that can be, else by a copy. False: it is larger than was agreed. */
@@ -256,7 +256,8 @@ bool reverse_outdated(struct reverse *reverse, int64_t now_ns)
 		return false;
 	reverse->live = false;
 	reverse->state = reverse->waiting ? WATCH_STARTING : WATCH_FROZEN;
-	reverse->stats.withdrawn++;
+	if (reverse->stats.withdrawn++ == 0)
+		log_warn("camera: a picture was too old when it was drawn; words are shown where that happens");
 	draw_words(reverse);
 	return true;
 }

@@ -56,7 +56,8 @@ struct reverse {
 	bool live;                      /* what was drawn is a live picture */
 	int64_t drawn_for_ns, shown_ns; /* times of the frame being made, and of its picture */
 	int64_t ahead_ns;               /* from the look at the inputs to the picture on the screen, as it was lately */
-	enum watch_state state;
+	enum watch_state watched;       /* what the watch says of the camera; logged when it changes */
+	enum watch_state state;         /* what is drawn: the same, unless the picture got old meanwhile */
 	struct camera_stats stats;
 };
 

@@ -3,7 +3,7 @@
  *   board_screen shot FILE.png     the picture that is scanned out now
  *   board_screen watch SECONDS     one line of JSON: pictures, the longest time between two, time without any
  *   board_screen colours FILE.png  how many different colours it has, of 4096: a plain picture has few
- *   board_screen differ A.png B.png    how many pixels differ clearly
+ *   board_screen differ A.png B.png    how many of a million pixels differ clearly
  *   board_screen step A.png B.png      the greatest difference of a channel, of 255
  *   board_screen pixel FILE.png X Y    its colour there, RRGGBB
  * The plain kernel interface is enough; dumb and linear buffers only, which is what a machine without a GPU scans out.
@@ -13,6 +13,7 @@
 #include <drm_mode.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <png.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -219,12 +220,12 @@ static int count_differences(const char *path_a, const char *path_b)
 	struct picture a, b;
 	if (!load_both(&a, &b, path_a, path_b))
 		return EXIT_FAILURE;
-	unsigned long count = 0;
+	uint64_t count = 0;
 	for (size_t i = 0; i < PNG_IMAGE_SIZE(a.image); i += 4) {
 		const uint8_t *p = a.pixels + i, *q = b.pixels + i;
 		count += abs(p[0] - q[0]) > CLEARLY || abs(p[1] - q[1]) > CLEARLY || abs(p[2] - q[2]) > CLEARLY;
 	}
-	printf("%lu\n", count);
+	printf("%" PRIu64 "\n", count * 1000000 / ((uint64_t)a.image.width * a.image.height));
 	return EXIT_SUCCESS;
 }
 

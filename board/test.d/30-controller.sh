@@ -56,7 +56,7 @@ check 'its driver is bus off' test "$(link_state)" = BUS-OFF
 check 'nothing is heard any more' within 4 stands
 seconds 1
 screen controller-off
-check 'bus off is on the screen' at_least 300 "$(differ controller-good controller-off)"
+check 'bus off is on the screen' at_least 400 "$(differ controller-good controller-off)"
 drive_stop
 # What a restart does, which this driver leaves to whoever looks after the bus.
 ip link set vcan0 down

@@ -10,26 +10,26 @@ screen still
 turn right 3
 seconds 1
 screen closer
-check 'turning the knob zooms' at_least 5000 "$(differ still closer)"
+check 'turning the knob zooms' at_least 6400 "$(differ still closer)"
 turn left 3
 press rotary-push
 seconds 1
 screen menu
-check 'a push opens the menu' at_least 5000 "$(differ closer menu)"
+check 'a push opens the menu' at_least 6400 "$(differ closer menu)"
 turn right 1
 seconds 1
 screen menu-next
-check 'turning moves in the menu' at_least 300 "$(differ menu menu-next)"
+check 'turning moves in the menu' at_least 400 "$(differ menu menu-next)"
 press rotary-push 1500
 seconds 1
 screen menu-left
-check 'a long push leaves the menu' at_least 5000 "$(differ menu-next menu-left)"
+check 'a long push leaves the menu' at_least 6400 "$(differ menu-next menu-left)"
 press view
 seconds 1
 screen view
-check 'the view button changes the camera' at_least 20000 "$(differ menu-left view)"
+check 'the view button changes the camera' at_least 25000 "$(differ menu-left view)"
 close_pin night
 seconds 2
 screen night
-check 'the lamps make it night' at_least 50000 "$(differ view night)"
+check 'the lamps make it night' at_least 64000 "$(differ view night)"
 open_pin night

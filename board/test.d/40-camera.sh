@@ -12,6 +12,15 @@ shows_picture() {
 	more_than shown "$before"
 }
 camera_set() { v4l2-ctl -d /dev/video0 -c "$1"; } # CONTROL=VALUE
+# has_colours FORMAT, looks_like NAME FORMAT: what is on the screen; a picture that comes too late for it is words.
+has_colours() {
+	screen "camera-$1"
+	at_least 100 "$(colours "camera-$1")"
+}
+looks_like() {
+	screen "camera-$2"
+	at_most 31000 "$(differ "camera-$1" "camera-$2")"
+}
 # profile FORMAT: the emulator's with that format
 profile() { sed "s/^fps = 30/fps = 30\nformat = $1/" /usr/share/boulevard/profiles/emulator.ini >/run/camera.ini; }
 
@@ -23,11 +32,11 @@ close_pin reverse
 check 'reverse brings a picture within 2 s' within 2 more_than shown 0
 seconds 1
 screen camera-reverse
-check 'the screen shows it' at_least 20000 "$(differ camera-map camera-reverse)"
+check 'the screen shows it' at_least 25000 "$(differ camera-map camera-reverse)"
 open_pin reverse
 seconds 1
 screen camera-after
-check 'and the map again when reverse is left' at_most 20000 "$(differ camera-map camera-after)"
+check 'and the map again when reverse is left' at_most 25000 "$(differ camera-map camera-after)"
 
 count=0
 while [ $count -lt 10 ]; do
@@ -71,8 +80,11 @@ for format in yuyv uyvy nv12 bgrx; do
 	UNIT_PROFILE=/run/camera.ini unit_start
 	check "$format is agreed on" within 5 sh -c "journalctl -u boulevard -o cat --no-pager | tail -20 | grep -q '$format 640x360.* taken'"
 	check "$format is shown" within 5 shows_picture
-	screen camera-$format
-	check "$format looks like nv12 and yuyv do" at_most 25000 "$(differ camera-yuyv camera-$format)"
+	if [ $format = yuyv ]; then
+		check 'yuyv is on the screen' within 3 has_colours yuyv
+	else
+		check "$format looks like yuyv does" within 3 looks_like yuyv $format
+	fi
 done
 profile yuyv
 sed -i 's/^fps = 30/&\nzero_copy = yes/' /run/camera.ini

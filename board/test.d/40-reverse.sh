@@ -12,10 +12,10 @@ for _ in 1 2 3 4 5; do
 	seconds 1
 done
 screen ahead-again
-check 'reverse shows another picture' at_least 20000 "$(differ ahead reverse)"
+check 'reverse shows another picture' at_least 25000 "$(differ ahead reverse)"
 check 'the camera was shown' at_least 1 "$(stat_of .camera.shown)"
 note 'reverse to picture, median ms here' "$(stat_of .camera.edge_to_picture_ms.median)"
 edge=$(native "$(stat_of '.camera.edge_to_picture_ms.max | floor')")
 note 'reverse to picture, worst of five, native ms' "$edge"
 check 'reverse to picture takes 200 ms at most, native' at_most 200 "$edge"
-check 'forward shows the map again' at_least 20000 "$(differ reverse ahead-again)"
+check 'forward shows the map again' at_least 25000 "$(differ reverse ahead-again)"

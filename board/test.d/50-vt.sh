@@ -95,7 +95,7 @@ seconds 2
 to 7
 check 'standing: pictures flip after a switch' flips_again
 screen vt-stands-again
-check 'standing: the same place is shown' at_most 20000 "$(differ vt-stands vt-stands-again)"
+check 'standing: the same place is shown' at_most 25000 "$(differ vt-stands vt-stands-again)"
 count=0
 while [ $count -lt 20 ]; do
 	to 2 && to 7 || break
@@ -120,14 +120,14 @@ if [ -e "$PINS/pin-reverse" ]; then
 	check 'reverse, back: the camera is shown' within 3 shown "$before"
 	seconds 0.5
 	screen vt-reverse-back
-	check 'reverse, back: it is what is seen' at_least 20000 "$(differ vt-stands vt-reverse-back)"
+	check 'reverse, back: it is what is seen' at_least 25000 "$(differ vt-stands vt-reverse-back)"
 	to 2
 	open_pin reverse
 	seconds 1
 	to 7
 	flips_again
 	a_city vt-forward
-	check 'reverse left while away: the map is shown' at_least 20000 "$(differ vt-reverse vt-forward)"
+	check 'reverse left while away: the map is shown' at_least 25000 "$(differ vt-reverse vt-forward)"
 	to 2
 	close_pin reverse
 	seconds 1

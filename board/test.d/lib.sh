@@ -34,10 +34,17 @@ needs_pins() { [ -e "$PINS/pin-reverse" ] || skip 'no pins in this kernel'; }
 
 # In this guest a frame takes $SLOW times as long as outside, and a start $SLOW_START times (run measures both), so a
 # limit that is meant for a board is given in native time: scaled MS is that time here, native MS the other way. With
-# "start" behind, the time is that of something that starts the unit.
+# "start" behind, the time is that of something that starts the unit; with "pace", of something that is seen in how
+# pictures follow each other: they need not come faster than the profile asks for ($PACE, which is less than $SLOW).
 scaled() { awk "BEGIN { printf \"%d\", $1 * $(factor "${2:-}") }"; }
 native() { awk "BEGIN { printf \"%d\", $1 / $(factor "${2:-}") }"; }
-factor() { if [ "${1:-}" = start ]; then echo "$SLOW_START"; else echo "$SLOW"; fi; }
+factor() {
+	case ${1:-} in
+	start) echo "$SLOW_START" ;;
+	pace) echo "$PACE" ;;
+	*) echo "$SLOW" ;;
+	esac
+}
 
 # within SECONDS [start] COMMAND...: tries until it succeeds, for so long in native time; $took_ms says how many ms it
 # took.
@@ -177,13 +184,15 @@ can_make() { ip link add dev "$1" type vcan && ip link set "$1" mtu 72 txqueuele
 screen() { board_screen shot "$OUT/$1.png"; }
 # colours NAME: how many different colours that picture has: a plain one has few.
 colours() { board_screen colours "$OUT/$1.png"; }
-# differ NAME NAME: how many pixels of two pictures differ clearly.
+# differ NAME NAME: how many of a million pixels of two pictures differ clearly.
 differ() { board_screen differ "$OUT/$1.png" "$OUT/$2.png"; }
-# watch_start SECONDS, then watch_end [start]: prints the longest time without a new picture, native ms; also $gap_ms.
+# watch_start SECONDS [start], then watch_end [start]: the longest time without a new picture in so many seconds, native
+# ms, is printed and in $gap_ms.
 watch_start() {
+	watch_s=$(awk "BEGIN { print $1 * $(factor "${2:-pace}") }")
 	rm -f /run/watch.json
 	{
-		board_screen watch "$1" >/run/watch.part
+		board_screen watch "$watch_s" >/run/watch.part
 		mv /run/watch.part /run/watch.json
 	} &
 	sleep 0.2
@@ -192,26 +201,26 @@ watch_end() {
 	until [ -e /run/watch.json ]; do # and not while its process lives: a subshell would see it dead and not yet waited for
 		sleep 0.02
 	done
-	gap_ms=$(native "$(jq -r .longest_gap_ms /run/watch.json)" "$@")
+	gap_ms=$(native "$(jq -r .longest_gap_ms /run/watch.json)" "${1:-pace}")
 	echo "$gap_ms"
 }
 
-# seconds N: sleeps so many of native time.
-seconds() { sleep "$(awk "BEGIN { print $1 * $SLOW }")"; }
+# seconds N: sleeps so long that as many pictures come as in so many seconds of native time.
+seconds() { sleep "$(awk "BEGIN { print $1 * $PACE }")"; }
 
 # pictures_come: whether the screen shows at least three new pictures in two seconds.
-pictures_come() { [ "$(board_screen watch "$(awk "BEGIN { print 2 * $SLOW }")" | jq .pictures)" -ge 3 ]; }
+pictures_come() { [ "$(board_screen watch "$(awk "BEGIN { print 2 * $PACE }")" | jq .pictures)" -ge 3 ]; }
 
 # holds WHAT [start] COMMAND...: does something to the running unit and checks that the picture stays, or returns within
 # 2 s of native time; "start" where the unit has to start for that.
 holds() {
-	holds_what=$1 holds_kind=''
+	holds_what=$1 holds_kind=pace
 	shift
 	if [ "$1" = start ]; then
 		holds_kind=start
 		shift
 	fi
-	watch_start "$(awk "BEGIN { print 3 * $(factor $holds_kind) }")"
+	watch_start 3 $holds_kind
 	"$@"
 	watch_end $holds_kind >/dev/null
 	note "$holds_what: longest time without a new picture, native ms" "$gap_ms"

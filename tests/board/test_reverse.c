@@ -4,8 +4,10 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 /* before cmocka */
 #include <cmocka.h>
 
@@ -239,6 +241,43 @@ static void a_picture_that_gets_old_while_it_is_drawn_is_withdrawn(void **state)
 	stop(&f);
 }
 
+/* Half a second of pictures that all get too old while they are drawn. */
+static void be_late(struct fixture *f)
+{
+	for (int i = 0; i < 30; i++, f->now_ns += STEP_NS) {
+		f->input.now_ns = f->now_ns;
+		assert_true(reverse_update(&f->reverse, &f->input));
+		reverse_draw(&f->reverse, &f->input);
+		assert_true(reverse_outdated(&f->reverse, f->now_ns + 250 * NS_PER_MS));
+		reverse_shown(&f->reverse, f->now_ns + 260 * NS_PER_MS);
+	}
+}
+
+static void a_machine_that_is_always_late_says_so_once(void **state)
+{
+	(void)state;
+	struct fixture f;
+	start(&f, "sim");
+	gear(&f, NAV_GEAR_REVERSE);
+	frames(&f, 300);
+	FILE *file = tmpfile();
+	assert_non_null(file);
+	fflush(stderr);
+	int old = dup(STDERR_FILENO);
+	assert_true(old >= 0 && dup2(fileno(file), STDERR_FILENO) >= 0);
+	be_late(&f);
+	assert_true(dup2(old, STDERR_FILENO) >= 0);
+	close(old);
+	char said[1000];
+	rewind(file);
+	said[fread(said, 1, sizeof(said) - 1, file)] = 0;
+	fclose(file);
+	assert_non_null(strstr(said, "too old when it was drawn"));
+	assert_ptr_equal(strchr(said, '\n') + 1, strchr(said, 0));
+	assert_int_equal(f.reverse.stats.frozen, 0);
+	stop(&f);
+}
+
 static int open_files(void)
 {
 	int count = 0;
@@ -302,6 +341,7 @@ int main(void)
 		cmocka_unit_test(a_gear_that_is_lost_keeps_it_until_the_car_goes_forward),
 		cmocka_unit_test(what_is_wrong_is_said_and_nothing_old_is_shown),
 		cmocka_unit_test(a_picture_that_gets_old_while_it_is_drawn_is_withdrawn),
+		cmocka_unit_test(a_machine_that_is_always_late_says_so_once),
 		cmocka_unit_test(a_thousand_times_reverse_and_drive_leak_nothing),
 		cmocka_unit_test(without_a_camera_there_is_no_picture),
 	};
