@@ -1,5 +1,5 @@
 #!/bin/sh
-# not arm64: a camera that sends JPEG: agreed on, shown, damaged pictures never shown, silent and back, other sizes
+# a camera that sends JPEG: agreed on, shown, damaged pictures never shown, silent and back, other sizes (not arm64)
 needs_pins
 device=/dev/video8
 [ -c $device ] || skip 'no camera here that a program can play (v4l2loopback)'

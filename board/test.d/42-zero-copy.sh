@@ -1,5 +1,5 @@
 #!/bin/sh
-# not arm64: the camera's buffers as textures: the same picture as by a copy, plugs, formats, nothing kept; needs --mesa
+# the camera's buffers as textures: the same picture as by a copy, plugs, formats, nothing kept; needs --mesa (not arm64)
 needs_pins
 [ -c /dev/video0 ] || skip 'no camera here'
 mesa=/usr/lib/boulevard-test/mesa

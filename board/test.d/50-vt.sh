@@ -1,5 +1,5 @@
 #!/bin/sh
-# terminals: away and back, with another program on the screen, in reverse, killed, stopped; on one, on none, by hand
+# terminals: away and back, with another program on the screen, in reverse, killed, stopped; on one, on none, by hand (not arm64)
 [ -c /dev/tty7 ] || skip 'no terminals in this kernel'
 [ -d /sys/class/drm/card0-Virtual-1 ] || [ -d /sys/class/drm/card1-Virtual-1 ] || skip 'no virtual panel in this kernel'
 
