@@ -156,7 +156,7 @@ check 'killed while away: and the other picture' test "$(colour_at_corner vt-kil
 check 'killed while away: the unit is alive' unit_running
 paint_end
 to 7
-check 'killed while away: back, pictures flip' flips_again
+check 'killed while away: back, pictures flip' flips_again start
 check 'killed while away: the city is shown' a_city vt-after-kill
 
 # --- ended
