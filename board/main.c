@@ -497,13 +497,14 @@ static bool start_clock(struct machine *m)
 	return m->running;
 }
 
-/* Called again and again while the map loads: listens, and draws if the car is put into reverse. */
+/* Called again and again while the map loads: listens, and draws if the car is put into reverse. Not while the
+ * reversing picture itself is being drawn between two steps: it would be drawn into from within. */
 static void while_loading(void *context)
 {
 	static struct nav_view view;
 	struct machine *m = context;
 	int64_t began_ns = m->began_ns, now_ns = clock_now_ns();
-	if (now_ns - m->looked_ns < WHILE_LOADING_NS || !start_clock(m))
+	if (!m->loading || now_ns - m->looked_ns < WHILE_LOADING_NS || !start_clock(m))
 		return;
 	m->looked_ns = now_ns;
 	now_ns -= m->origin_ns;

@@ -29,13 +29,13 @@ press rotary-push
 check 'a push opens the menu' within 3 says menu true
 seconds 0.5
 screen menu-open
-check 'it is seen' at_least 6400 "$(differ menu-closed menu-open)"
 press rotary-push
 turn right 1
 press rotary-push
 check 'in it the knob chooses the view' within 3 says view heading-up
 press rotary-push 1000
 check 'a long push closes it' within 3 says menu false
+check 'it was seen' at_least 6400 "$(differ menu-closed menu-open)" # now: the menu does not wait for a slow machine
 press rotary-push
 check 'and so does time' within 25 says menu false
 
