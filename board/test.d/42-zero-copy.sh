@@ -3,7 +3,7 @@
 needs_pins
 [ -c /dev/video0 ] || skip 'no camera here'
 mesa=/usr/lib/boulevard-test/mesa
-[ -e $mesa/libEGL_mesa.so.0 ] || skip 'this Mesa takes no buffers of other devices: board/test --mesa "$(board/emulator/mesa)"'
+[ -e $mesa/libEGL_mesa.so.0 ] || skip 'this Mesa takes no buffers of other devices: board/test --mesa "$(board/emulator/backports mesa)"'
 UNIT_ENVIRONMENT="LD_LIBRARY_PATH=$mesa
 LIBGL_DRIVERS_PATH=$mesa/dri
 GBM_BACKENDS_PATH=$mesa/gbm"
