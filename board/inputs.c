@@ -248,9 +248,6 @@ void inputs_stats(const struct inputs *inputs, struct stats *out)
 	out->can_cpu_ms = bus ? (double)bus->stats.reader_cpu_ns / 1e6 : 0.0;
 	out->can_interfaces = bus ? bus->interfaces : NULL;
 	out->can_interface_count = bus ? bus->interface_count : 0;
-	out->can_errors = 0;
-	for (unsigned i = 0; bus && i < bus->interface_count; i++)
-		out->can_errors += bus->interfaces[i].error_frames;
 	if (inputs->recorder) {
 		struct can_record_stats recorded;
 		can_record_stats(inputs->recorder, &recorded);

@@ -177,8 +177,11 @@ static void print_signal_faults(const struct stats *s, FILE *to)
 
 static void print_bus(const struct stats *s, FILE *to)
 {
+	uint64_t errors = 0;
+	for (unsigned i = 0; i < s->can_interface_count; i++)
+		errors += s->can_interfaces[i].error_frames;
 	fprintf(to, "  \"can\": {\"frames_lost\": %llu, \"error_frames\": %llu, \"cpu_ms\": %.1f, \"interfaces\": [",
-		(unsigned long long)s->can_frames_lost, (unsigned long long)s->can_errors, s->can_cpu_ms);
+		(unsigned long long)s->can_frames_lost, (unsigned long long)errors, s->can_cpu_ms);
 	for (unsigned i = 0; i < s->can_interface_count; i++) {
 		const struct can_interface *interface = &s->can_interfaces[i];
 		fprintf(to, "%s{\"name\": ", i ? ", " : "");

@@ -88,7 +88,6 @@ struct stats {
 	uint64_t can_frames_in, can_frames_bad;
 	uint32_t signal_faults[VEHICLE_INPUT_COUNT][VEHICLE_FAULT_COUNT]; /* samples that were not taken, and why */
 	uint64_t can_frames_lost;                                         /* by the kernel, before we read them */
-	uint64_t can_errors;                                              /* error frames */
 	double can_cpu_ms;                                                /* of the thread that reads the bus */
 	const struct can_interface *can_interfaces;                       /* borrowed */
 	unsigned can_interface_count;

@@ -164,6 +164,12 @@ static void learn_scale(struct nav *nav, struct dvec2 at, double sigma_m)
 	nav->stretch_m = nav->stretch_turn_rad = 0.0;
 }
 
+/* How far from a fix the street may be. */
+static double fix_radius_m(double sigma_m)
+{
+	return fmin(15.0 + 3.0 * sigma_m, 60.0);
+}
+
 /* A fix after a way that nobody saw. With a course both are known; without one, the first fix is all there is, and the
  * shown pose does not wait for the car to move on. */
 static void find_after_unseen(struct nav *nav, const struct nav_input *input, struct dvec2 at, double sigma)
@@ -177,7 +183,7 @@ static void find_after_unseen(struct nav *nav, const struct nav_input *input, st
 		place_as_matched(nav);
 		return;
 	}
-	if (!match_place_near(&nav->match, at, fmin(15.0 + 3.0 * sigma, 60.0), true, heading))
+	if (!match_place_near(&nav->match, at, fix_radius_m(sigma), true, heading))
 		return;
 	nav->turned_unseen = nav->turned_unseen && !course;
 	nav->reckon.heading_bam = heading;
@@ -190,7 +196,7 @@ static void find_elsewhere(struct nav *nav, const struct nav_input *input, struc
 	nav->heading_known = input->heading_valid && isfinite(input->heading_rad);
 	if (nav->heading_known)
 		nav->reckon.heading_bam = bam_from_rad(input->heading_rad);
-	if (match_place_near(&nav->match, at, fmin(15.0 + 3.0 * sigma, 60.0), true, nav->reckon.heading_bam))
+	if (match_place_near(&nav->match, at, fix_radius_m(sigma), true, nav->reckon.heading_bam))
 		placed(nav, true);
 }
 
@@ -205,8 +211,7 @@ static void take_fix(struct nav *nav, const struct nav_input *input)
 	struct dvec2 at = geo_to_plane(&nav->pkg->frame, (struct geo_point){ input->lat_deg, input->lon_deg });
 	double sigma = input->fix_sigma_m > 0.0 ? input->fix_sigma_m : 5.0;
 	if (!nav->match.located) {
-		if (match_place_near(
-				&nav->match, at, fmin(15.0 + 3.0 * sigma, 60.0), nav->heading_known, nav->reckon.heading_bam))
+		if (match_place_near(&nav->match, at, fix_radius_m(sigma), nav->heading_known, nav->reckon.heading_bam))
 			placed(nav, true);
 		return;
 	}

@@ -1,12 +1,5 @@
 #!/bin/sh
 # the bus goes and comes back: bus off, down, deleted and made again
-frames() { stat_of .vehicle.frames_in; }
-# grows: the car is heard: more frames of it a moment later.
-grows() {
-	grows_before=$(frames) || return 1
-	sleep 0.3
-	[ "$(frames)" -gt "$grows_before" ]
-}
 ignition_on
 unit_start
 drive_start 20

@@ -1,12 +1,6 @@
 #!/bin/sh
 # a controller instead of a virtual bus: its driver's error frames, bus off with the carrier gone, pulled out and back
 command -v can_controller >/dev/null || skip 'no can_controller here'
-frames() { stat_of .vehicle.frames_in; }
-grows() {
-	grows_before=$(frames) || return 1
-	seconds 0.3
-	[ "$(frames)" -gt "$grows_before" ]
-}
 stands() { ! grows; }
 controller_pid='' commands=/run/controller
 # The controller is the interface that the profile names, and the car is on its wire.

@@ -4,13 +4,6 @@ needs_pins
 command -v v4l2-ctl >/dev/null || skip 'v4l2-ctl is missing (v4l-utils)'
 [ -c /dev/video0 ] || skip 'no camera here'
 
-camera_state() { stat_of ".camera.$1"; }
-more_than() { [ "$(camera_state "$1")" -gt "$2" ]; } # FIGURE VALUE
-shows_picture() {
-	before=$(camera_state shown)
-	seconds 0.4
-	more_than shown "$before"
-}
 camera_set() { v4l2-ctl -d /dev/video0 -c "$1"; } # CONTROL=VALUE
 # has_colours FORMAT, looks_like NAME FORMAT: what is on the screen; a picture that comes too late for it is words.
 has_colours() {

@@ -5,13 +5,6 @@ device=/dev/video8
 [ -c $device ] || skip 'no camera here that a program can play (v4l2loopback)'
 command -v mjpeg_camera >/dev/null || skip 'built without libturbojpeg'
 
-camera_state() { stat_of ".camera.$1"; }
-more_than() { [ "$(camera_state "$1")" -gt "$2" ]; } # FIGURE VALUE
-shows_picture() {
-	before=$(camera_state shown)
-	seconds 0.4
-	more_than shown "$before"
-}
 said() { unit_log "_PID=$(unit_pid)" | grep -q "$1"; }
 # camera KIND [SIZE]: a camera that sends pictures of that kind instead of the one before; camera_end: none
 writer=''

@@ -15,8 +15,6 @@ mkdir -p "${drop_in%/*}"
 printf '[Service]\nInaccessiblePaths=/dev/dri\n' >$drop_in
 trap 'drive_stop; unit_stop; rm -rf $drop_in $frames' EXIT
 
-camera_state() { stat_of ".camera.$1"; }
-more_than() { [ "$(camera_state "$1")" -gt "$2" ]; } # FIGURE VALUE
 # start FORMAT yes|no
 start() {
 	sed "s/^fps = 30/fps = 30\nformat = $1\nzero_copy = $2\nrepeats = no/" /usr/share/boulevard/profiles/emulator.ini >/run/camera.ini

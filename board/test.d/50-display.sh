@@ -1,11 +1,9 @@
 #!/bin/sh
 # the panel: one modeset, then flips; unplugged and plugged in, told by the kernel or asked; killed and back
-status=$(ls -d /sys/class/drm/card*-Virtual-1/status 2>/dev/null | head -1)
-[ -n "$status" ] || skip 'no virtual panel in this kernel'
-counts_at_least() { at_least "$2" "$(stat_of ".display.$1")"; }
-panel() { echo "$1" >"$status"; } # off, or detect: it is there
+needs_panel
+panel() { echo "$1" >"$panel_folder/status"; } # off, or detect: it is there
 # A driver with a real plug tells of it; this one has none, so its card is made to.
-panel_tells() { echo change >"${status%-Virtual-1/status}/uevent"; }
+panel_tells() { echo change >"${panel_folder%-Virtual-1}/uevent"; }
 
 # comes_and_goes HOW TELL: unplugged and plugged in, where TELL is what is done for the unit to know.
 comes_and_goes() {
@@ -38,7 +36,6 @@ check 'plugged in: the picture is one of a city' at_least 50 "$(colours panel-ag
 check 'the unit was not restarted' test "$(unit_restarts)" = 0
 
 killed=$(unit_pid)
-runs_anew() { unit_running && [ "$(unit_pid)" != "$killed" ]; }
 holds 'killed' start kill -9 "$killed"
 check 'killed: it runs again' within 2 start runs_anew
 check 'killed: pictures flip' within 2 counts_at_least flips 5

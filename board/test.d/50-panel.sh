@@ -1,6 +1,6 @@
 #!/bin/sh
 # how the panel is driven: the mode asked for, turned by 90, 180 and 270 degrees, darker, fewer pictures at standstill
-[ -d /sys/class/drm/card0-Virtual-1 ] || [ -d /sys/class/drm/card1-Virtual-1 ] || skip 'no virtual panel in this kernel'
+needs_panel
 
 # start_with LINE: the unit with the emulator's profile and these keys of [display] more.
 start_with() {

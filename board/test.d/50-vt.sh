@@ -1,13 +1,12 @@
 #!/bin/sh
 # terminals: away and back, with another program on the screen, in reverse, killed, stopped; on one, on none, by hand (not arm64)
 [ -c /dev/tty7 ] || skip 'no terminals in this kernel'
-[ -d /sys/class/drm/card0-Virtual-1 ] || [ -d /sys/class/drm/card1-Virtual-1 ] || skip 'no virtual panel in this kernel'
+needs_panel
 
 drop_in=/run/systemd/system/boulevard.service.d/terminal.conf
 to() { board_neighbour to "$1"; }
 in_front() { [ "$(board_neighbour active)" = "$1" ]; }
 terminal_is() { [ "$(board_neighbour terminal "$1")" = "$2" ]; }
-counts_at_least() { at_least "$2" "$(stat_of ".display.$1")"; }
 colour_at_corner() { board_screen pixel "$OUT/$1.png" 5 5; }
 # paint COLOUR: another program takes the screen, and keeps it until paint_end; fails where it does not get it.
 paint() {
@@ -141,7 +140,6 @@ if [ -e "$PINS/pin-reverse" ]; then
 fi
 
 # --- killed
-runs_anew() { unit_running && [ "$(unit_pid)" != "$killed" ]; }
 killed=$(unit_pid)
 kill -9 "$killed"
 check 'killed in front: it runs again' within 2 start runs_anew

@@ -31,6 +31,11 @@ skip() {
 
 # needs_pins: ends a scene that turns switches where the kernel has no simulated ones.
 needs_pins() { [ -e "$PINS/pin-reverse" ] || skip 'no pins in this kernel'; }
+# needs_panel: the same without a virtual panel; $panel_folder is the kernel's of it.
+needs_panel() {
+	panel_folder=$(ls -d /sys/class/drm/card*-Virtual-1 2>/dev/null | head -1)
+	[ -n "$panel_folder" ] || skip 'no virtual panel in this kernel'
+}
 
 # In this guest a frame takes $SLOW times as long as outside, and a start $SLOW_START times (run measures both), so a
 # limit that is meant for a board is given in native time: scaled MS is that time here, native MS the other way. With
@@ -110,6 +115,26 @@ stat_of() {
 	sleep 0.1
 	jq -r "$1" /var/lib/boulevard/stats.json
 }
+
+# counts_at_least FIGURE VALUE: of the display.
+counts_at_least() { at_least "$2" "$(stat_of ".display.$1")"; }
+camera_state() { stat_of ".camera.$1"; }
+more_than() { [ "$(camera_state "$1")" -gt "$2" ]; } # FIGURE VALUE, of the camera
+# shows_picture: whether the camera's are shown, one after the other.
+shows_picture() {
+	before=$(camera_state shown)
+	seconds 0.4
+	more_than shown "$before"
+}
+frames() { stat_of .vehicle.frames_in; }
+# grows: whether the car is heard: more frames of it a moment later.
+grows() {
+	grows_before=$(frames) || return 1
+	sleep 0.3
+	[ "$(frames)" -gt "$grows_before" ]
+}
+# runs_anew: whether the unit runs, and not as the process $killed.
+runs_anew() { unit_running && [ "$(unit_pid)" != "$killed" ]; }
 
 # --- the car ------------------------------------------------------------------------------------------------------
 drive_pid=''

@@ -255,12 +255,10 @@ static void another_city_or_nonsense_is_not_restored(void **state)
 	ride_end(&ride);
 }
 
-static void a_fix_elsewhere_refutes_a_remembered_place_even_standing(void **state)
+/* The last run ended there, on a street, looking east; known to 3 m. */
+static void remember_eastwards(struct ride *ride, double east, double north)
 {
-	(void)state;
-	struct ride ride;
-	ride_start(&ride, streets_grid(4, 400), true);
-	struct geo_point geo = geo_from_plane(&ride.nav.pkg->frame, (struct dvec2){ 100.0, 0.0 });
+	struct geo_point geo = geo_from_plane(&ride->nav.pkg->frame, (struct dvec2){ east, north });
 	struct nav_memory memory = { .lat_deg = geo.lat_deg,
 		.lon_deg = geo.lon_deg,
 		.heading_rad = 0.5 * BLVD_PI,
@@ -268,7 +266,15 @@ static void a_fix_elsewhere_refutes_a_remembered_place_even_standing(void **stat
 		.half = PKG_NONE,
 		.speed_scale = 1.0,
 		.position_var = { 9.0, 9.0, 0.0 } };
-	assert_true(nav_restore(&ride.nav, &memory, false));
+	assert_true(nav_restore(&ride->nav, &memory, false));
+}
+
+static void a_fix_elsewhere_refutes_a_remembered_place_even_standing(void **state)
+{
+	(void)state;
+	struct ride ride;
+	ride_start(&ride, streets_grid(4, 400), true);
+	remember_eastwards(&ride, 100.0, 0.0);
 	ride_stand(&ride, 1.0);
 	assert_near((double)view_of(&ride).pos_mm[0] * 1e-3, 100.0, 0.1);
 	tell_fix(&ride, 600.0, 402.0, 4.0); /* it was towed */
@@ -287,15 +293,7 @@ static void a_course_tells_where_a_car_that_is_elsewhere_looks(void **state)
 	for (int late = 0; late < 2; late++) {
 		struct ride ride;
 		ride_start(&ride, streets_grid(4, 400), true);
-		struct geo_point geo = geo_from_plane(&ride.nav.pkg->frame, (struct dvec2){ 300.0, 398.0 });
-		struct nav_memory memory = { .lat_deg = geo.lat_deg,
-			.lon_deg = geo.lon_deg,
-			.heading_rad = 0.5 * BLVD_PI,
-			.on_street = true,
-			.half = PKG_NONE,
-			.speed_scale = 1.0,
-			.position_var = { 9.0, 9.0, 0.0 } };
-		assert_true(nav_restore(&ride.nav, &memory, false));
+		remember_eastwards(&ride, 300.0, 398.0);
 		ride.input.heading_valid = !late;
 		ride.input.heading_rad = 0.0;
 		tell_fix(&ride, 402.0, 420.0, 4.0);

@@ -3,10 +3,10 @@
  * pseudo terminal whose other end is this program. What a virtual bus cannot do, this one can: error frames that the
  * driver makes, states with their counters, bus off with the carrier gone, and an adapter that is pulled out.
  *   can_controller INTERFACE WIRE    makes INTERFACE, down; gone when this program ends
- * What is sent on the interface WIRE, a virtual one, is what the controller hears, unless it is bus off. Each line of
- * the standard input goes to the driver as it is (the kernel's drivers/net/can/slcan): sw096000         state: a
- * active, w warning, p passive, b bus off; errors received and sent, three digits each e1f              one error: a no
- * answer, b and B bits, c checksum, f form, s stuffing
+ * What is sent on the interface WIRE, a virtual one, is what the controller hears, unless it is bus off.
+ * Lines of the standard input go to the driver as they are (the kernel's drivers/net/can/slcan):
+ *   sw096000    state: a active, w warning, p passive, b bus off; errors received and sent, three digits each
+ *   e1f         one error: a no answer, b and B bits, c checksum, f form, s stuffing
  */
 #include <errno.h>
 #include <fcntl.h>
